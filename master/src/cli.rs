@@ -253,7 +253,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Remove the results that are in the folder for the new results.
-    #[arg(long)]
+    #[arg(long, visible_alias = "force")]
     pub overwrite: bool,
     /// Run the job also if a file that the run has read was changed since.
     #[arg(long)]
@@ -320,7 +320,7 @@ pub struct RunArgs {
     pub out: Option<PathBuf>,
     /// Remove the results that are in the folder for results, with the checkpoints of an unfinished
     /// run. Without this option, a folder with results is refused.
-    #[arg(long, conflicts_with = "resume")]
+    #[arg(long, visible_alias = "force", conflicts_with = "resume")]
     pub overwrite: bool,
     /// Simulated time at which the run ends, in the units of the job [default: end_time of the
     /// job].
@@ -329,6 +329,9 @@ pub struct RunArgs {
     /// Print only errors.
     #[arg(long)]
     pub quiet: bool,
+    /// Also print each redecomposition, with its cause.
+    #[arg(long, short, conflicts_with = "quiet")]
+    pub verbose: bool,
     /// Repeat the orders of this file in their cycles: a summary.json of a run that was steered by
     /// `crumple attach`, or a list of orders. With the job of that run, the results have the same
     /// bits.
@@ -515,7 +518,7 @@ pub struct ConvertArgs {
     /// File for the deck: NAME_0000.rad, or NAME.k.
     pub to: PathBuf,
     /// Replace files that exist.
-    #[arg(long)]
+    #[arg(long, visible_alias = "force")]
     pub overwrite: bool,
     /// Changes to the job.
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
@@ -609,7 +612,8 @@ impl RunArgs {
         if let Some(level) = &self.log {
             words.extend(["--log".to_string(), level.clone()]);
         }
-        let flags = [("--quiet", self.quiet), ("--no-report", self.no_report)];
+        let flags =
+            [("--quiet", self.quiet), ("--verbose", self.verbose), ("--no-report", self.no_report)];
         words.extend(flags.iter().filter(|f| f.1).map(|f| f.0.to_string()));
         words
     }

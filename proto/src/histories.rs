@@ -3,6 +3,7 @@
 
 use crate::exact_sum::ExactSum;
 use crate::ids::{ElemId, NodeId};
+use crate::place::Peak;
 use serde::{Deserialize, Serialize};
 
 /// Histories that are recorded in addition to the sums of `history.csv`.
@@ -99,6 +100,8 @@ pub struct PartShare<N = f64> {
     pub internal: N,
     /// Hourglass and drilling energy [energy].
     pub hourglass: N,
+    /// Element with the most hourglass and drilling energy [energy].
+    pub most_hourglass: Peak,
     /// Linear momentum [mass length/time].
     pub momentum: [N; 3],
 }
@@ -183,6 +186,7 @@ impl HistoryShares<ExactSum> {
             a.kinetic.merge(&b.kinetic);
             a.internal.merge(&b.internal);
             a.hourglass.merge(&b.hourglass);
+            a.most_hourglass.raise(b.most_hourglass.value, || b.most_hourglass.at);
             merge_each(&mut a.momentum, &b.momentum);
         }
         for b in &o.contacts {
@@ -211,6 +215,7 @@ impl HistoryShares<ExactSum> {
             kinetic: p.kinetic.value(),
             internal: p.internal.value(),
             hourglass: p.hourglass.value(),
+            most_hourglass: p.most_hourglass,
             momentum: each_value(&p.momentum),
         };
         let contact = |c: &ContactShare<ExactSum>| ContactShare {

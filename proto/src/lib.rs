@@ -30,6 +30,7 @@ pub mod loads;
 pub mod mesh;
 pub mod message;
 pub mod partition;
+pub mod place;
 pub mod problem;
 pub mod quality;
 pub mod report;

@@ -2,7 +2,8 @@
 
 use crate::exact_sum::ExactSum;
 use crate::histories::{HistoryShares, each_value, merge_each};
-use crate::ids::{ElemId, NodeId};
+use crate::ids::ElemId;
+use crate::place::{ModelPlace, Peak, comes_first};
 use serde::{Deserialize, Serialize};
 
 /// Progress report, sent every few cycles without waiting for an answer.
@@ -181,27 +182,6 @@ impl Energies {
     }
 }
 
-/// Place of an extreme value: an element or a node, its part, and where it is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ModelPlace {
-    /// The element, if it is one.
-    pub element: Option<ElemId>,
-    /// The node, if it is one.
-    pub node: Option<NodeId>,
-    /// Index of the part into those of the settings.
-    pub part: Option<u32>,
-    /// Coordinates of the node or of the centre of the element [length].
-    pub x: [f64; 3],
-}
-
-impl ModelPlace {
-    /// Returns true if the ids come before those of another place. Of places with the same value,
-    /// the first one counts, on any number of workers.
-    pub fn is_before(&self, o: &Self) -> bool {
-        (self.element, self.node) < (o.element, o.node)
-    }
-}
-
 /// Contribution of one worker to a history row, with exact sums, or the row of all workers, with
 /// numbers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -230,6 +210,8 @@ pub struct HistoryPart<N = f64> {
     pub penetration: f64,
     /// Node with this penetration.
     pub deepest: ModelPlace,
+    /// Largest work of friction of one pair in one step since the last row [energy].
+    pub sliding: Peak,
     /// Smallest Jacobian at a corner of an element, over its value at the start; infinite without
     /// shells and solids.
     pub corner_left: f64,
@@ -260,6 +242,7 @@ impl HistoryPart<ExactSum> {
         if comes_first(-o.penetration, &o.deepest, -self.penetration, &self.deepest) {
             (self.penetration, self.deepest) = (o.penetration, o.deepest);
         }
+        self.sliding.raise(o.sliding.value, || o.sliding.at);
         if comes_first(o.corner_left, &o.flattest, self.corner_left, &self.flattest) {
             (self.corner_left, self.flattest) = (o.corner_left, o.flattest);
         }
@@ -284,6 +267,7 @@ impl HistoryPart<ExactSum> {
             pairs: self.pairs,
             penetration: self.penetration,
             deepest: self.deepest,
+            sliding: self.sliding,
             corner_left: self.corner_left,
             flattest: self.flattest,
             controlling_dt: self.controlling_dt,
@@ -292,11 +276,6 @@ impl HistoryPart<ExactSum> {
             shares: self.shares.values(),
         }
     }
-}
-
-/// Returns true if the first value is smaller than the second, or the same with lower ids.
-fn comes_first(a: f64, at: &ModelPlace, b: f64, other: &ModelPlace) -> bool {
-    a < b || a == b && at.is_before(other)
 }
 
 /// Reason for which a worker cannot continue.

@@ -34,7 +34,8 @@ use crumple_proto::ids::ElemId;
 use crumple_proto::mesh::{MAX_CORNERS, Shape};
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
-use crumple_proto::report::{Displacement, Energies, HistoryPart, ModelPlace, Phase, PhaseSeconds};
+use crumple_proto::place::ModelPlace;
+use crumple_proto::report::{Displacement, Energies, HistoryPart, Phase, PhaseSeconds};
 use crumple_proto::trace::Event;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
@@ -461,9 +462,11 @@ impl Engine {
         let smallest = self.blocks.smallest_step(&self.nodes);
         let flattest = self.blocks.flattest(&self.nodes);
         let place = |(_, id): (f64, ElemId)| self.blocks.place(id, &self.nodes);
-        let (penetration, deepest) = self.contact.as_mut().map_or_else(Default::default, |c| {
-            (std::mem::take(&mut c.penetration), std::mem::take(&mut c.deepest))
-        });
+        let (penetration, deepest, sliding) =
+            self.contact.as_mut().map_or_else(Default::default, |c| {
+                let (depth, at) = (&mut c.penetration, &mut c.deepest);
+                (std::mem::take(depth), std::mem::take(at), std::mem::take(&mut c.sliding))
+            });
         let row = HistoryPart {
             row: self.clock.rows,
             cycle: self.clock.cycle,
@@ -483,6 +486,7 @@ impl Engine {
             pairs: self.contact.as_ref().map_or(0, |c| c.owned_pairs().count() as u64),
             penetration,
             deepest,
+            sliding,
             corner_left: flattest.map_or(f64::INFINITY, |f| f.0),
             flattest: flattest.map_or_else(ModelPlace::default, place),
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),

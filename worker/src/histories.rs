@@ -16,6 +16,7 @@ use crumple_proto::histories::{
 };
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::Settings;
+use crumple_proto::place::ModelPlace;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 
@@ -276,6 +277,13 @@ fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare<ExactSum>> {
         let part = &mut parts[e.record.part as usize];
         part.internal.add(energies[0]);
         part.hourglass.add(energies[1]);
+        let at = || ModelPlace { element: Some(e.record.id), ..ModelPlace::default() };
+        part.most_hourglass.raise(energies[1], at);
+    }
+    for peak in parts.iter_mut().map(|part| &mut part.most_hourglass) {
+        if let Some(id) = peak.at.element {
+            peak.at = blocks.place(id, nodes);
+        }
     }
     let dot = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     for b in &blocks.blocks {

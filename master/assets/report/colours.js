@@ -76,6 +76,7 @@ function colourings(model, facts) {
     const value = range && decoded(range);
     if (range) ways.push(scaled(model, { ...scalar, range, node: (frame, node) => value(frame.nodeScalars[s][node]) }));
   });
+  if (model.forces.some((acting) => acting > 0)) ways.push(contactForceOf(model, facts.force_unit));
   const parts = model.parts.map((id, i) => {
     const name = facts.part_names[id];
     return { colour: ofKind(i), label: name ? `${id} ${name}` : `part ${id}`, part: i };
@@ -138,6 +139,20 @@ function displacementOf(model, unit) {
   let most = 0;
   for (const frame of model.frames) for (let n = 0; n < model.nodes; n++) most = Math.max(most, node(frame, n));
   return scaled(model, { title: "displacement", unit, node, range: [0, most] });
+}
+
+/** Magnitude of the contact force of the nodes; 0 where none acts. */
+function contactForceOf(model, unit) {
+  const ofFrames = new Map(model.frames.map((frame) => {
+    const values = new Float32Array(model.nodes);
+    const { nodes, components: [x, y, z] } = frame.forces;
+    nodes.forEach((node, i) => (values[node] = Math.hypot(x[i], y[i], z[i])));
+    return [frame, values];
+  }));
+  const most = Math.max(...model.frames.map((frame) => ofFrames.get(frame).reduce((a, b) => Math.max(a, b), 0)));
+  const way = scaled(model, { title: "contact force", unit, node: (frame, number) => ofFrames.get(frame)[number], range: [0, most] });
+  way.top = roundUp(most); // few nodes touch, so that a percentile says nothing
+  return way;
 }
 
 /** 5th and 95th percentile at the last time, so that a few torn elements do not spoil the scale. */

@@ -77,9 +77,11 @@ class Figures {
   }
 
   /** Accelerations of the nodes of a run after the filter, in g, over times in seconds. */
-  accelerations({ name, histories }) {
+  accelerations({ name, heads, histories }) {
     const out = [];
-    for (const object of histories.objects) {
+    // The name of a node is that of its group and its id.
+    const isHead = (object) => !heads.length || heads.some((group) => object.name.slice(0, object.name.lastIndexOf(" ")) === group);
+    for (const object of histories.objects.filter(isHead)) {
       const quantity = magnitudeOf(object, "acceleration");
       if (!quantity) continue;
       const [seconds, unit] = [secondsOf(histories), accelerationUnit(quantity.unit)];

@@ -8,8 +8,10 @@
 
 /** Duration of the animation at speed 1 [ms]. */
 const FILM = 8000;
-/** Frames per second below which the animation is drawn with a lower resolution. */
+/** Frames per second below which the animation is drawn with fewer pixels or faces. */
 const SMOOTH = 30;
+/** Interval between two looks at the rate [ms]. */
+const LOOK_EVERY = 500;
 
 const root = document.documentElement;
 const byId = (id) => document.getElementById(id);
@@ -37,6 +39,7 @@ class Page {
     this.frame = -1;
     this.time = 0;
     this.playing = false;
+    this.quality = 0;
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.second = facts.second && new SecondRun(facts.second);
     this.plotted();
@@ -68,7 +71,7 @@ class Page {
     const runs = [];
     for (const [i, facts] of [this.facts, this.facts.second].filter(Boolean).entries()) {
       const packed = byId(i ? "packed-histories-second" : "packed-histories");
-      if (facts.histories.rows) runs.push({ name: this.names()[i], histories: new Histories(await unpacked(packed.textContent), facts.histories, facts.time_unit) });
+      if (facts.histories.rows) runs.push({ name: this.names()[i], heads: facts.heads, histories: new Histories(await unpacked(packed.textContent), facts.histories, facts.time_unit) });
       packed.remove();
     }
     if (!runs.length) return;
@@ -107,6 +110,7 @@ class Page {
     packed.remove();
     this.ways = this.colourings();
     this.way = this.ways.find((way) => way.kinds || way.most > 0);
+    this.qualities = qualitiesOf(this.model);
     this.shown = this.model.parts.map(() => true);
     try {
       this.view = new View(byId("canvas"), this.model, this.facts.walls);
@@ -446,10 +450,8 @@ class Page {
     const button = byId("play");
     button.textContent = on ? "❚❚" : "▶";
     button.setAttribute("aria-label", on ? "Pause" : "Play");
-    if (!on) {
-      this.view.sharpen(1);
-      return;
-    }
+    this.simplify(on ? this.quality : 0);
+    if (!on) return;
     if (this.time >= this.end) this.go(this.begin);
     let last = null;
     let since = null;
@@ -461,10 +463,10 @@ class Page {
       last = now;
       const film = (this.end - this.begin) / FILM;
       this.go(this.time + passed * film * Number(byId("speed").value));
-      if (now - since >= 1000) {
+      if (now - since >= LOOK_EVERY) {
         const rate = (1000 * count) / (now - since);
         root.dataset.framesPerSecond = rate.toFixed(1);
-        if (rate < SMOOTH) this.view.sharpen(0.8 * this.view.sharpness);
+        if (rate < SMOOTH && this.quality + 1 < this.qualities.length) this.simplify(++this.quality);
         since = now;
         count = 0;
       }
@@ -476,6 +478,13 @@ class Page {
       } else this.play(false);
     };
     requestAnimationFrame(next);
+  }
+
+  /** Draws with a quality of the list. */
+  simplify(quality) {
+    const [pixels, faces] = this.qualities[quality];
+    for (const view of [this.view, this.second?.view]) view?.simplify(pixels, faces);
+    this.redraw();
   }
 
   /** Selects the next or the previous output time. */

@@ -118,6 +118,12 @@ class Surface {
     for (const patches of this.all) patches.show(frame, next, way, shown, this.style);
   }
 
+  /** Draws about this share of the faces, from the next `show` on. */
+  coarsen(share) {
+    const standIn = share < 1 ? standIns(this.model, share) : null;
+    for (const patches of [this.areas, this.lines]) patches.standIn(standIn);
+  }
+
   between(fraction) {
     this.uniforms.between.value = fraction;
   }
@@ -159,6 +165,8 @@ class Patches {
     this.corners = corners;
     const count = corners * faces.length;
     this.node = new Uint32Array(count);
+    /** The node at whose place a corner is drawn. */
+    this.drawn = this.node;
     /** Element of each face that is seen, else -1. */
     this.seen = new Int32Array(faces.length).fill(-1);
     const place = new Float32Array(3 * count);
@@ -196,6 +204,11 @@ class Patches {
     const first = this.corners * i;
     const isTriangle = this.corners === 4 && this.node[first + 2] === this.node[first + 3];
     return this.node.subarray(first, first + this.corners - (isTriangle ? 1 : 0));
+  }
+
+  /** Draws corners at the places of other nodes; null draws them at their own. */
+  standIn(nodes) {
+    this.drawn = nodes ? this.node.map((node) => nodes[node]) : this.node;
   }
 
   show(frame, next, way, shown, { ghosts, smooth, scale }) {
@@ -241,21 +254,21 @@ class Patches {
 
   /** Adds the seen faces of these elements to the index, from a place on, and returns its end. */
   fillIndex(from, takes) {
-    const { corners, seen } = this;
+    const { corners, drawn, seen } = this;
     const index = this.index.array;
+    const shapes = corners === 4 ? [[0, 1, 2], [0, 2, 3]] : [[0, 1]];
     let used = from;
     for (let i = 0; i < seen.length; i++) {
       if (seen[i] < 0 || !takes(seen[i])) continue;
       const first = corners * i;
-      index[used++] = first;
-      if (corners === 1) continue;
-      index[used++] = first + 1;
-      if (corners === 2) continue;
-      index[used++] = first + 2;
-      if (this.node[first + 2] === this.node[first + 3]) continue;
-      index[used++] = first;
-      index[used++] = first + 2;
-      index[used++] = first + 3;
+      if (corners === 1) index[used++] = first;
+      else for (const [p, q, r] of shapes) {
+        const [a, b, c] = [drawn[first + p], drawn[first + q], drawn[first + r]];
+        if (a === b || b === c || a === c) continue;
+        index[used++] = first + p;
+        index[used++] = first + q;
+        if (corners === 4) index[used++] = first + r;
+      }
     }
     return used;
   }
@@ -263,14 +276,15 @@ class Patches {
   /** Coordinates in a frame, with the displacements since the first one times `scale`. */
   put(attribute, frame, scale) {
     const { origin, unit } = frame.grid;
+    const { drawn } = this;
     const first = this.model.frames[0];
     for (let c = 0; c < 3; c++) {
       const column = frame.position[c];
-      for (let i = 0; i < this.node.length; i++) attribute.array[3 * i + c] = origin[c] + unit * column[this.node[i]];
+      for (let i = 0; i < drawn.length; i++) attribute.array[3 * i + c] = origin[c] + unit * column[drawn[i]];
       if (scale === 1) continue;
       const start = first.position[c];
-      for (let i = 0; i < this.node.length; i++) {
-        const x = first.grid.origin[c] + first.grid.unit * start[this.node[i]];
+      for (let i = 0; i < drawn.length; i++) {
+        const x = first.grid.origin[c] + first.grid.unit * start[drawn[i]];
         attribute.array[3 * i + c] = x + scale * (attribute.array[3 * i + c] - x);
       }
     }

@@ -21,10 +21,11 @@ class View {
     this.controls = new THREE.OrbitControls(this.camera, canvas);
     this.controls.zoomToCursor = true;
     this.controls.addEventListener("change", () => {
-      this.draw();
+      if (!this.showing) this.draw();
       if (!this.led) this.turned();
     });
     this.led = false;
+    this.showing = false; // it is drawn at the end
     /** Brings the camera back to its first place. */
     this.reset = () => this.look("iso");
     takeKeys(this);
@@ -193,7 +194,9 @@ class View {
       this.controls.target.add(step);
     }
     moved();
+    this.showing = true;
     this.controls.update();
+    this.showing = false;
     this.draw();
   }
 
@@ -215,11 +218,11 @@ class View {
     this.draw();
   }
 
-  /** Draws with this fraction of the pixels of a line, down to half of them. */
-  sharpen(fraction) {
-    const sharpness = Math.min(Math.max(fraction, 0.5), 1);
-    if (sharpness === this.sharpness) return;
-    this.sharpness = sharpness;
+  /** Draws with this share of the pixels of a line and, from the next `show` on, of the faces. */
+  simplify(pixels, faces) {
+    this.surface.coarsen(faces);
+    if (pixels === this.sharpness) return;
+    this.sharpness = pixels;
     this.fit();
   }
 

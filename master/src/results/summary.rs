@@ -380,7 +380,9 @@ pub struct Summary {
     pub warnings: Vec<EngineeringWarning>,
     /// Crush figures of each force, if an object moves.
     pub crush: Vec<CrushFigures>,
-    /// Head injury criteria of the nodes with an acceleration.
+    /// Names of the node groups of heads.
+    pub heads: Vec<String>,
+    /// Head injury criteria of the nodes with an acceleration, of heads only if there are any.
     pub head_injury: Vec<HeadInjuryFigures>,
     /// Requirements of the job, if the run is complete.
     pub requirements: Vec<RequirementResult>,

@@ -3,9 +3,10 @@
 
 use crate::input::job::Model;
 use crate::results::history::{Course, HistoryRow};
+use crumple_proto::histories::PartShare;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{Mesh, MeshElement};
-use crumple_proto::report::ModelPlace;
+use crumple_proto::place::{ModelPlace, Peak};
 use serde::{Deserialize, Serialize};
 
 /// Hourglass energy over internal energy of a part, and of the whole model.
@@ -194,22 +195,39 @@ impl WatchedRow<'_> {
         }
     }
 
+    /// Returns a warning of the whole model, which is worst at a place.
+    fn warn_of_all(
+        &self,
+        row: &HistoryRow,
+        worst: (WarningKind, f64),
+        what: String,
+        at: &ModelPlace,
+        cure: &str,
+    ) -> EngineeringWarning {
+        let whole = ModelPlace { part: None, ..*at };
+        let mut warning = self.warn(row, worst, what, &whole, cure);
+        if let Some(part) = at.part.filter(|_| !warning.place.is_empty()) {
+            warning.place += &format!(" of part {}", name(self.parts, part as usize));
+        }
+        warning
+    }
+
     fn hourglass(&self, row: &HistoryRow) -> Vec<EngineeringWarning> {
         let e = &row.sum.energies;
         let counts = |energy: f64| energy > NO_ENERGY * self.course.most;
         let cure = "Use an element without hourglass modes or with physical stabilisation \
                     (part.element), a finer mesh, or loads and supports on more nodes";
-        let of_part = |(part, share): (u32, &crumple_proto::histories::PartShare)| {
-            let at = ModelPlace { part: Some(part), ..ModelPlace::default() };
-            (at, share.hourglass, share.internal, MUCH_HOURGLASS[0])
+        let mut worst = Peak::default();
+        let of_part = |(part, share): (u32, &PartShare)| {
+            worst.raise(share.most_hourglass.value, || share.most_hourglass.at);
+            let at = ModelPlace { part: Some(part), ..share.most_hourglass.at };
+            (at, share.hourglass, share.internal)
         };
-        let whole = (ModelPlace::default(), e.hourglass, e.internal, MUCH_HOURGLASS[1]);
-        let parts = (0..).zip(&row.sum.shares.parts).map(of_part);
-        let is_much = |&(_, hourglass, internal, limit): &(ModelPlace, f64, f64, f64)| {
+        let parts: Vec<_> = (0..).zip(&row.sum.shares.parts).map(of_part).collect();
+        let is_much = |hourglass: f64, internal: f64, limit: f64| {
             counts(hourglass) && hourglass > limit * internal
         };
-        let all = parts.chain([whole]).filter(is_much);
-        let warned = all.map(|(at, hourglass, internal, limit)| {
+        let judged = |hourglass: f64, internal: f64, limit: f64| {
             let ratio = if internal > 0.0 { hourglass / internal } else { 1.0 };
             let what = format!(
                 "the hourglass energy is {hourglass:.3e}, {:.0} % of the internal energy; {:.0} % \
@@ -217,9 +235,23 @@ impl WatchedRow<'_> {
                 100.0 * ratio,
                 100.0 * limit
             );
-            self.warn(row, (WarningKind::Hourglass, ratio), what, &at, cure)
-        });
-        warned.collect()
+            ((WarningKind::Hourglass, ratio), what)
+        };
+        let [of_part, of_all] = MUCH_HOURGLASS;
+        let much = parts
+            .into_iter()
+            .filter(|&(_, hourglass, internal)| is_much(hourglass, internal, of_part));
+        let mut warned: Vec<_> = much
+            .map(|(at, hourglass, internal)| {
+                let (value, what) = judged(hourglass, internal, of_part);
+                self.warn(row, value, what, &at, cure)
+            })
+            .collect();
+        if is_much(e.hourglass, e.internal, of_all) {
+            let (value, what) = judged(e.hourglass, e.internal, of_all);
+            warned.push(self.warn_of_all(row, value, what, &worst.at, cure));
+        }
+        warned
     }
 
     fn contact_energy(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
@@ -230,8 +262,8 @@ impl WatchedRow<'_> {
             100.0 * row.created
         );
         let kind = (WarningKind::ContactEnergy, row.created);
-        let at = ModelPlace { part: None, ..row.sum.deepest };
-        (row.created > LITTLE_CREATED).then(|| self.warn(row, kind, what, &at, CREATED_CURE))
+        let at = &row.sum.deepest;
+        (row.created > LITTLE_CREATED).then(|| self.warn_of_all(row, kind, what, at, CREATED_CURE))
     }
 
     fn friction(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
@@ -250,7 +282,7 @@ impl WatchedRow<'_> {
         let cure = "Compare a run with another contact.friction";
         let kind = (WarningKind::Friction, share);
         (self.course.most > 0.0 && share > limit)
-            .then(|| self.warn(row, kind, what, &ModelPlace::default(), cure))
+            .then(|| self.warn_of_all(row, kind, what, &row.sum.sliding.at, cure))
     }
 
     fn step(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
@@ -398,7 +430,6 @@ fn described(at: &ModelPlace) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_proto::histories::PartShare;
     use crumple_proto::ids::{ElemId, NodeId};
     use crumple_proto::report::HistoryPart;
 
@@ -480,6 +511,18 @@ mod tests {
             r.sum.deepest = ModelPlace { element: None, node: Some(NodeId(5)), ..at(0) };
         });
         assert!(deep[0].place.starts_with("node 5 at "), "{}", deep[0].place);
+        let peak = Peak { value: 0.2, at: at(9) };
+        let distorted = of(|r| {
+            (r.sum.shares.parts[1].hourglass, r.sum.energies.hourglass) = (0.51, 0.51);
+            r.sum.shares.parts[1].most_hourglass = peak;
+        });
+        let here = "element 9 at (1.000000, 2.000000, 3.000000)";
+        let places: Vec<&str> = distorted.iter().map(|w| &w.place[..]).collect();
+        assert_eq!(places, [here, &format!("{here} of part `b`")]);
+        let rubbed = of(|r| (r.sum.energies.friction, r.sum.sliding) = (-11.0, peak));
+        assert_eq!(rubbed[0].place, format!("{here} of part `b`"));
+        let created = of(|r| (r.created, r.sum.deepest) = (0.011, at(9)));
+        assert_eq!((&created[0].part[..], &created[0].place), ("", &rubbed[0].place));
     }
 
     /// Contact without a pair and without work, and walls without an impulse, are named once the

@@ -403,7 +403,11 @@ fn as_master(
     if let Err(why) = &desk {
         tracing::warn!(why, "no client can attach to this run");
     }
-    let audience = if args.quiet { Audience::Silent } else { Audience::Terminal };
+    let audience = match (args.quiet, args.verbose) {
+        (true, _) => Audience::Silent,
+        (false, true) => Audience::VerboseTerminal,
+        (false, false) => Audience::Terminal,
+    };
     let guidance = Guidance { audience, stop, desk: desk.ok() };
     let results = Results { out: &out, trace: args.trace.as_deref() };
     let ended = control::run(model, comm, results, origin, guidance);

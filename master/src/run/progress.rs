@@ -34,6 +34,8 @@ pub struct RunState {
 pub enum Audience {
     /// Standard error.
     Terminal,
+    /// Standard error, with each redecomposition.
+    VerboseTerminal,
     /// No reader.
     Silent,
     /// Another thread of this process.
@@ -86,7 +88,7 @@ pub struct ProgressDisplay {
 impl ProgressDisplay {
     /// Creates the display for a run to `end_time`.
     pub fn new(end_time: f64, audience: Audience) -> Self {
-        let on_terminal = matches!(audience, Audience::Terminal);
+        let on_terminal = matches!(audience, Audience::Terminal | Audience::VerboseTerminal);
         let bar = (on_terminal && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::new(TICKS);
             let style = ProgressStyle::with_template("{bar:20} {percent:>3}% {wide_msg}");
@@ -104,7 +106,7 @@ impl ProgressDisplay {
     /// Shows the state, if the interval has passed.
     pub fn show(&mut self, s: &RunState) {
         match &self.audience {
-            Audience::Terminal => {}
+            Audience::Terminal | Audience::VerboseTerminal => {}
             Audience::Silent => return,
             Audience::Thread(feed) => {
                 feed.change(|content| (content.state, content.end_time) = (*s, self.end_time));
@@ -143,9 +145,16 @@ impl ProgressDisplay {
     pub fn println(&self, line: &str) {
         match (&self.bar, &self.audience) {
             (Some(bar), _) => bar.println(line),
-            (None, Audience::Terminal) => eprintln!("{line}"),
+            (None, Audience::Terminal | Audience::VerboseTerminal) => eprintln!("{line}"),
             (None, Audience::Thread(feed)) => feed.say(line),
             (None, Audience::Silent) => {}
+        }
+    }
+
+    /// Prints a line for readers of details.
+    pub fn print_detail(&self, line: &str) {
+        if matches!(self.audience, Audience::VerboseTerminal) {
+            self.println(line);
         }
     }
 

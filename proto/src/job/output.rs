@@ -85,6 +85,10 @@ pub struct NodeHistory {
     /// global; without `axes` everything is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<[u64; 3]>,
+    /// These are nodes of a head. Head injury criteria are those of such nodes; without any in the
+    /// job, those of all nodes with an acceleration.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub head: bool,
 }
 
 /// Section whose force and moment are written to `sections.csv`: the forces that the elements on

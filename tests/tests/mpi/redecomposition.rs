@@ -136,3 +136,17 @@ fn the_file_of_the_workers_adds_up() {
     // The summary also counts the history and the final report.
     assert!(sent > 1.0 && sent <= of_summary && sent > 0.9 * of_summary, "{sent}, {of_summary}");
 }
+
+/// Redecompositions are printed with `-v` only.
+#[test]
+fn redecompositions_are_details() {
+    let tumble = ["run", "cases/tumble", "--no-report", "--workers", "2"];
+    let sets = ["--set", "output.field_interval=-1", "--set", "time.max_cycles=300"];
+    let said = |more: &[&str]| {
+        let ended = run(crumple_with(&[&tumble[..], &sets, more].concat())).with_code(0);
+        assert!(counts(&ended)[1] > 0, "there is something to say");
+        ended.said().matches("high redecomposition at T=").count() as u64
+    };
+    assert_eq!(said(&[]), 0);
+    assert!(said(&["-v"]) > 0);
+}

@@ -86,7 +86,10 @@ fn cylinder(cut: Cut, keys: &str, nu: f64) -> f64 {
         2.0 * breathing,
         steel(nu, keys)
     );
-    let end = run_alone(&model_of(&text, &[]), |_| {});
+    let model = model_of(&text, &[]);
+    let warns = model.warnings.iter().any(|w| w.to_string().contains("has wedges and Poisson's"));
+    assert_eq!(warns, cut == Cut::Wedges && nu > 0.45, "nu = {nu}");
+    let end = run_alone(&model, |_| {});
     let moved: Vec<f64> = nodes
         .iter()
         .filter(|(_, at)| at[0] == 0.0)

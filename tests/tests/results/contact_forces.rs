@@ -87,8 +87,8 @@ fn forces_of_nodes_do_not_depend_on_workers() {
     }
 }
 
-/// The page draws an arrow of five lines at each node with a force, and without the request it does
-/// not offer them.
+/// The page draws an arrow of five lines at each node with a force, and has the magnitude of the
+/// force as a colour.
 #[test]
 fn forces_of_nodes_are_arrows_on_the_page() {
     let ended = bars("1", &["time.max_cycles=20"]);
@@ -100,5 +100,20 @@ fn forces_of_nodes_are_arrows_on_the_page() {
     let drawn: Vec<u64> = serde_json::from_value(browser.evaluate(drawn)).unwrap();
     assert!(drawn[0] >= 4, "two nodes of each bar touch: {drawn:?}");
     assert_eq!(drawn[1], 10 * drawn[0]);
+    let values = "(() => { \
+                  const way = crumple.ways.find((way) => way.title === 'contact force'); \
+                  crumple.colour(way); \
+                  const frame = crumple.model.frames.at(-1), { nodes, components } = frame.forces; \
+                  const all = Array.from({ length: crumple.model.nodes }, \
+                  (_, n) => way.node(frame, n)); \
+                  const forces = Array.from(nodes, \
+                  (_, i) => Math.hypot(...components.map((c) => c[i]))); \
+                  return [all.filter((v) => v > 0).length, way.top, Math.max(...all), \
+                  Math.max(...forces), Math.abs(all[nodes[0]] - forces[0])]; })()";
+    let [acting, top, most, largest, off]: [f64; 5] =
+        serde_json::from_value(browser.evaluate(values)).unwrap();
+    assert_eq!(acting, drawn[0] as f64);
+    assert!(top >= most && off < 1e-6 * largest, "{top} {most} {off}");
+    assert!((most / largest - 1.0).abs() < 1e-6, "{most} for {largest}");
     sound(&mut browser);
 }

@@ -14,6 +14,8 @@ mod provenance;
 mod python;
 mod report;
 mod report_page;
+mod report_play;
+mod report_signal;
 mod study;
 mod trace;
 mod vtkhdf;

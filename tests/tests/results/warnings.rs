@@ -131,8 +131,10 @@ fn energy_created_by_contact_is_a_warning() {
 
 #[test]
 fn friction_that_takes_most_of_the_energy_is_a_warning() {
-    let ended = case(&["cases/slide", "--end-time=1", "--workers=1"]);
-    let friction = warning(&ended, "friction", "");
+    let [friction, other] = ["--workers=1", "--workers=2"]
+        .map(|workers| warning(&case(&["cases/slide", "--end-time=1", workers]), "friction", ""));
+    assert!(friction["place"].as_str().unwrap().starts_with("node "), "{friction}");
+    assert_eq!(friction["place"], other["place"], "on any number of workers");
     assert!(friction["what"].as_str().unwrap().contains("dissipated"), "{friction}");
     assert!(friction["cure"].as_str().unwrap().contains("contact.friction"), "{friction}");
 }

@@ -67,7 +67,7 @@ use crumple_math::row::{Row, row, xyz};
 use crumple_math::vector_range::VectorRange;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::ContactInput;
-use crumple_proto::report::ModelPlace;
+use crumple_proto::place::{ModelPlace, Peak};
 use crumple_proto::transport::RankLost;
 use detail::ContactDetail;
 use diagnostics::search_record::SearchRecord;
@@ -150,6 +150,8 @@ pub struct Contact {
     pub penetration: f64,
     /// Node with this penetration.
     pub deepest: ModelPlace,
+    /// Largest work of friction of a pair in a step since the last query [energy].
+    pub sliding: Peak,
     /// Largest rate at which near slaves and segments passed each other in the last step, where
     /// it may limit the step, see [`approach`] [1/time].
     pub approach: f64,
@@ -215,6 +217,7 @@ impl Contact {
             capped_pairs: 0,
             penetration: 0.0,
             deepest: ModelPlace::default(),
+            sliding: Peak::default(),
             approach: 0.0,
         }
     }
@@ -582,6 +585,7 @@ impl Contact {
             // present time.
             let slid = 0.5 * steps.dt_velocity * sheared.dot(&velocity);
             work.friction.add(Work { before: slid, after: slid });
+            self.sliding.raise(2.0 * slid.abs(), || place_of(&self.surface, p, nodes));
             if p.initial_gap < 0.0 {
                 work.starting.add(p.work(nodes, steps.dt_velocity));
             }

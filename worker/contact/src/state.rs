@@ -2,7 +2,7 @@
 
 use super::Contact;
 use crumple_proto::checkpoint::MOST;
-use crumple_proto::report::ModelPlace;
+use crumple_proto::place::{ModelPlace, Peak};
 use serde::{Deserialize, Serialize};
 
 /// State and sums of one worker. Those of several workers are merged into one.
@@ -14,6 +14,7 @@ pub struct ContactState {
     capped_pairs: u64,
     penetration: f64,
     deepest: ModelPlace,
+    sliding: Peak,
     approach: f64,
     /// Marks of parts, see [`super::diagnostics::search_record`].
     parts: Vec<u8>,
@@ -35,9 +36,10 @@ impl ContactState {
         }
         if self.penetration.is_nan()
             || self.approach.is_nan()
-            || self.deepest.x.iter().any(|x| x.is_nan())
+            || self.sliding.value.is_nan()
+            || self.deepest.x.iter().chain(&self.sliding.at.x).any(|x| x.is_nan())
         {
-            return Err("it has a penetration that is not a number".into());
+            return Err("it has a penetration or work that is not a number".into());
         }
         Ok(())
     }
@@ -52,6 +54,7 @@ impl ContactState {
         if is_deeper || o.penetration == self.penetration && o.deepest.is_before(&self.deepest) {
             (self.penetration, self.deepest) = (o.penetration, o.deepest);
         }
+        self.sliding.raise(o.sliding.value, || o.sliding.at);
         self.approach = self.approach.max(o.approach);
         self.parts.resize(self.parts.len().max(o.parts.len()), 0);
         self.parts.iter_mut().zip(&o.parts).for_each(|(a, b)| *a |= b);
@@ -69,6 +72,7 @@ impl Contact {
             capped_pairs,
             penetration,
             deepest,
+            sliding,
             approach,
             record,
             // Equal on all workers, see `common`.
@@ -109,6 +113,7 @@ impl Contact {
             capped_pairs: *capped_pairs,
             penetration: *penetration,
             deepest: *deepest,
+            sliding: *sliding,
             approach: *approach,
             parts: record.of_parts(&surface.segments),
         }
@@ -128,7 +133,7 @@ impl Contact {
         self.unsettled = state.unsettled;
         self.capped_pairs = state.capped_pairs;
         (self.penetration, self.deepest) = (state.penetration, state.deepest);
-        self.approach = state.approach;
+        (self.sliding, self.approach) = (state.sliding, state.approach);
         self.pairs = pairs;
         self.interface_started = started;
         self.record.restore(state.parts);

@@ -84,12 +84,22 @@ fn group(
         }
         None => None,
     };
-    let name = match (&asked.name, &asked.nodes) {
+    whole.then_some(NodeGroup { name: group_name(asked, i), nodes, axes })
+}
+
+/// Returns the name of entry `i` of `[[output.node]]` in the output.
+fn group_name(asked: &NodeHistory, i: usize) -> String {
+    match (&asked.name, &asked.nodes) {
         (name, _) if !name.is_empty() => name.clone(),
         (_, Some(set)) => set.clone(),
         _ => format!("nodes {i}"),
-    };
-    whole.then_some(NodeGroup { name, nodes, axes })
+    }
+}
+
+/// Returns the names of the node groups of heads.
+pub fn heads(job: &Job) -> Vec<String> {
+    let nodes = job.output.node.iter().enumerate();
+    nodes.filter(|(_, asked)| asked.head).map(|(i, asked)| group_name(asked, i)).collect()
 }
 
 /// Returns the nodes of axes. Reports nodes that are not there, and axes without a plane.

@@ -23,7 +23,7 @@ pub mod axes;
 pub mod centre;
 mod contact;
 mod files;
-mod histories;
+pub mod histories;
 mod include;
 pub mod inline_sets;
 mod joints;

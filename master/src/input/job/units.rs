@@ -126,7 +126,12 @@ fn wave_speeds(density: f64) -> &'static std::ops::RangeInclusive<f64> {
 
 /// Returns Young's modulus of a material that has one [force/length^2].
 pub fn youngs_modulus(material: &MaterialSpec) -> Option<f64> {
-    let given = material.parameters.get("youngs_modulus")?;
+    number(material, "youngs_modulus")
+}
+
+/// Returns a number among the parameters of a material, if it has it.
+pub fn number(material: &MaterialSpec, key: &str) -> Option<f64> {
+    let given = material.parameters.get(key)?;
     given.as_float().or(given.as_integer().map(|i| i as f64))
 }
 

@@ -91,10 +91,10 @@ impl VectorHistory<'_> {
 }
 
 /// Returns the figures of the run in a folder. Both lists are empty if the run has no such
-/// histories.
-pub fn read(dir: &Path) -> (Vec<CrushFigures>, Vec<HeadInjuryFigures>) {
+/// histories. If `heads` names groups of nodes, only these are heads.
+pub fn read(dir: &Path, heads: &[String]) -> (Vec<CrushFigures>, Vec<HeadInjuryFigures>) {
     let histories = RunHistories { all: ReportHistories::whole(dir) };
-    (histories.crush(), histories.heads())
+    (histories.crush(), histories.heads(heads))
 }
 
 impl RunHistories {
@@ -165,13 +165,19 @@ impl RunHistories {
         self.objects().filter(is_object).filter_map(figures).collect()
     }
 
-    fn heads(&self) -> Vec<HeadInjuryFigures> {
+    fn heads(&self, groups: &[String]) -> Vec<HeadInjuryFigures> {
+        // The name of a node is that of its group and its id.
+        let is_head = |object: &usize| {
+            let group = self.all.objects[*object].name.rsplit_once(' ').map_or("", |n| n.0);
+            groups.is_empty() || groups.iter().any(|name| name == group)
+        };
         let with_peak = |object: usize| {
             let vector = self.vector(object, "acceleration")?;
             let most = (0..self.all.rows).map(|row| vector.magnitude(row)).fold(0.0, f64::max);
             Some((most, object))
         };
-        let mut nodes: Vec<(f64, usize)> = self.objects().filter_map(with_peak).collect();
+        let mut nodes: Vec<(f64, usize)> =
+            self.objects().filter(is_head).filter_map(with_peak).collect();
         nodes.sort_by(|a, b| b.0.total_cmp(&a.0));
         nodes.truncate(MOST_HEADS);
         let figures = |(_, object): (f64, usize)| {
@@ -259,7 +265,7 @@ mod tests {
         for (name, text) in &files {
             std::fs::write(dir.path().join(format!("{name}.csv")), text).unwrap();
         }
-        let (crush, heads) = read(dir.path());
+        let (crush, heads) = read(dir.path(), &[]);
         assert_eq!(crush.len(), 1);
         let c = &crush[0];
         assert_eq!((&c.force[..], &c.over[..]), ("wall ram", "wall ram"));
@@ -280,18 +286,20 @@ mod tests {
         close(h.hic36.unwrap(), 0.030 * 50f64.powf(2.5));
         let longer = h.interval36_ms.unwrap();
         assert!((longer[1] - longer[0] - 30.0).abs() < 1e-6, "{longer:?}");
+        assert_eq!(read(dir.path(), &["head".into()]).1, heads);
+        assert_eq!(read(dir.path(), &["neck".into(), "hea".into()]).1, []);
     }
 
     #[test]
     fn a_run_without_such_histories_has_none_and_coarse_rows_say_why() {
         let dir = tempfile::tempdir().unwrap();
-        assert_eq!(read(dir.path()), (Vec::new(), Vec::new()));
+        assert_eq!(read(dir.path(), &[]), (Vec::new(), Vec::new()));
         let file = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
         file("history.csv", "time [ms],kinetic [J]\n0,1\n1,1\n2,1\n3,1\n");
         let head = "time [ms],nodes,id,acceleration x [mm/ms^2],acceleration y [mm/ms^2],\
                     acceleration z [mm/ms^2]\n";
         file("nodes.csv", &format!("{head}0,head,7,1,0,0\n1,head,7,1,0,0\n2,head,7,1,0,0\n"));
-        let (crush, heads) = read(dir.path());
+        let (crush, heads) = read(dir.path(), &[]);
         assert!(crush.is_empty() && heads[0].hic15.is_none());
         assert!(heads[0].why.contains("output.history_interval"), "{}", heads[0].why);
         assert_eq!(acceleration_unit("m/s^2"), Some((1.0, 1.0)));

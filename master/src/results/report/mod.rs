@@ -404,9 +404,11 @@ fn facts(sources: &RunFiles, model: Option<&Description>) -> serde_json::Value {
     json!({
         "time_unit": sources.history.as_ref().map_or("", |h| h.unit("time")),
         "length_unit": length,
+        "force_unit": sources.force(),
         "scalars": scalars(sources),
         "node_scalars": node_scalars(sources),
         "part_names": sources.part_names(),
+        "heads": sources.heads(),
         "walls": sources.walls(),
         "plots": sources.plots,
         "histories": sources.histories,

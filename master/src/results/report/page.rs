@@ -15,12 +15,13 @@ const STYLE: [&str; 2] = [
     include_str!("../../../assets/vendor/uPlot.min.css"),
     include_str!("../../../assets/report/page.css"),
 ];
-const SCRIPTS: [&str; 24] = [
+const SCRIPTS: [&str; 25] = [
     include_str!("../../../assets/vendor/three.min.js"),
     include_str!("../../../assets/vendor/uPlot.min.js"),
     include_str!("../../../assets/report/decode.js"),
     include_str!("../../../assets/report/colours.js"),
     include_str!("../../../assets/report/legend.js"),
+    include_str!("../../../assets/report/coarse.js"),
     include_str!("../../../assets/report/surface.js"),
     include_str!("../../../assets/report/walls.js"),
     include_str!("../../../assets/report/keys.js"),

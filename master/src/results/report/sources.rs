@@ -181,6 +181,12 @@ impl RunFiles {
         parts.into_iter().flatten().filter_map(named).collect()
     }
 
+    /// Returns the names of the node groups of heads.
+    pub fn heads(&self) -> Vec<String> {
+        let heads = self.summary.as_ref().and_then(|s| s.get("heads").cloned());
+        heads.and_then(|heads| serde_json::from_value(heads).ok()).unwrap_or_default()
+    }
+
     /// Returns the rigid walls, with their known displacements.
     pub fn walls(&self) -> Vec<DrawnWall> {
         let with_path = |(w, value): (usize, &Value)| {
@@ -208,6 +214,16 @@ impl RunFiles {
     pub fn velocity(&self) -> String {
         match self.unit_words()[..] {
             [length, time, _, ..] => format!("{length}/{time}"),
+            _ => String::new(),
+        }
+    }
+
+    /// Returns the label of force in the job's units.
+    pub fn force(&self) -> String {
+        match self.unit_words()[..] {
+            ["mm", "ms", "kg", ..] => "kN".into(),
+            ["mm", "s", "t" | "tonne", ..] | ["m", "s", "kg", ..] => "N".into(),
+            [l, t, m, ..] => format!("{m} {l}/{t}^2"),
             _ => String::new(),
         }
     }

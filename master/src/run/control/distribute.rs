@@ -15,7 +15,7 @@ use crumple_proto::wire::{await_message, post};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Number of high redecompositions that are printed. All are in `log.jsonl`.
+/// Number of high redecompositions whose lines go to clients. All are in `log.jsonl`.
 const MOST_SAID: u64 = 10;
 
 /// Returns the settings of the workers of a run in the folder `out`.
@@ -156,11 +156,11 @@ impl Control<'_> {
             Due::Low { .. } => self.order(Action::Recut),
         }
         self.balance.ordered(self.orders, due);
+        let (time, cycle) = (last.time, last.cycle);
+        let line = format!("{kind} redecomposition at T={time:.4e}, cycle {cycle}: {why}");
+        self.progress.print_detail(&line);
         if self.balance.low + self.balance.high <= MOST_SAID || matches!(due, Due::Low { .. }) {
-            self.announce(&format!(
-                "{kind} redecomposition at T={:.4e}, cycle {}: {why}",
-                last.time, last.cycle
-            ));
+            self.tell_clients(&line);
         }
     }
 

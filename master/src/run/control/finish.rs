@@ -1,6 +1,7 @@
 //! The end of a run: its summary.
 
 use super::{Control, RunError};
+use crate::input::job::histories;
 use crate::results::summary::{self, RunEnd, Summary};
 use crate::results::{figures, requirements};
 use crate::run::balance::URGENT;
@@ -23,7 +24,7 @@ impl Control<'_> {
             self.watch_end();
         }
         let mut summary = self.summary();
-        (summary.crush, summary.head_injury) = figures::read(&self.out);
+        (summary.crush, summary.head_injury) = figures::read(&self.out, &summary.heads);
         let path = self.out.join("summary.json");
         let unwritten = |error| RunError::Output { path: path.clone(), error };
         summary.write(&path).map_err(unwritten)?;
@@ -97,6 +98,7 @@ impl Control<'_> {
             lost: self.history.lost.clone(),
             warnings: std::mem::take(&mut self.warnings),
             crush: Vec::new(),
+            heads: histories::heads(job),
             head_injury: Vec::new(),
             requirements: Vec::new(),
             state_digest: summary::state_digest(&mut self.states),

@@ -259,6 +259,11 @@ impl Control<'_> {
     /// Prints a line, and sends it to clients.
     pub(super) fn announce(&self, line: &str) {
         self.progress.println(line);
+        self.tell_clients(line);
+    }
+
+    /// Sends a line to clients.
+    pub(super) fn tell_clients(&self, line: &str) {
         self.steering.publish(|| Answer::Event { text: line.into() });
     }
 

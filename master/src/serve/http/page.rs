@@ -20,6 +20,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("/assets/three.js", SCRIPT, include_str!("../../../assets/vendor/three.min.js")),
     ("/assets/decode.js", SCRIPT, include_str!("../../../assets/report/decode.js")),
     ("/assets/legend.js", SCRIPT, include_str!("../../../assets/report/legend.js")),
+    ("/assets/coarse.js", SCRIPT, include_str!("../../../assets/report/coarse.js")),
     ("/assets/surface.js", SCRIPT, include_str!("../../../assets/report/surface.js")),
     ("/assets/walls.js", SCRIPT, include_str!("../../../assets/report/walls.js")),
     ("/assets/keys.js", SCRIPT, include_str!("../../../assets/report/keys.js")),

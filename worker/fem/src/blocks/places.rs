@@ -5,8 +5,8 @@ use crate::nodes::Nodes;
 use crumple_math::row::xyz;
 use crumple_proto::ids::ElemId;
 use crumple_proto::mesh::Shape;
+use crumple_proto::place::ModelPlace;
 use crumple_proto::quality::corner_jacobians;
-use crumple_proto::report::ModelPlace;
 
 /// Initial Jacobian of a corner, over the largest of the element, below which the corner is left
 /// out: a quad that has degenerated to a triangle has such a corner.
