@@ -3,7 +3,7 @@
 //! a scene or one of the jobs `every-*.toml` gives it. These jobs need every list and every law,
 //! and only the keys that somebody has added to them.
 
-use crumple::input::deck::export::export;
+use crumple::input::deck::export::{ExportedDeck, export};
 use crumple::input::job::{Model, read};
 use crumple_proto::ids::ElemId;
 use crumple_proto::job::Job;
@@ -186,4 +186,74 @@ fn every_law_keeps_its_keys() {
     assert_same(&model, &again, "every law");
     assert_same_motion(&model, &again, "every law");
     expect_test::expect_file!["../../decks/exported/every-law.txt"].assert_eq(&left);
+}
+
+/// Returns a job of this folder as a deck that is read back, and checks that the models are the
+/// same, also after a second export. Returns the deck and the model by it.
+fn same_as_deck(name: &str, sets: &[String]) -> (ExportedDeck, Model) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported").join(name);
+    let model = read(&path, sets).unwrap_or_else(|report| panic!("{report}"));
+    let deck = export(&model).expect("a deck");
+    let again = read_back(&deck.text, &[]);
+    assert_same(&model, &again, name);
+    assert_same_motion(&model, &again, name);
+    let twice = read_back(&export(&again).expect("a deck").text, &[]);
+    assert_same(&model, &twice, name);
+    assert_same_motion(&model, &twice, name);
+    (deck, again)
+}
+
+/// Returns how often a deck has a keyword.
+fn count(deck: &ExportedDeck, keyword: &str) -> usize {
+    deck.text.lines().filter(|line| line.strip_prefix('*') == Some(keyword)).count()
+}
+
+/// Ties of each kind keep their order and their limits. A card that adds a contact is written only
+/// where the job has this contact.
+#[test]
+fn ties_have_cards() {
+    let (deck, again) = same_as_deck("ties.toml", &[]);
+    for (keyword, times) in [
+        ("CONTACT_TIED_NODES_TO_SURFACE_ID", 1),
+        ("CONTACT_TIEBREAK_NODES_ONLY_ID", 2),
+        ("CONTACT_TIEBREAK_SURFACE_TO_SURFACE_ONLY_ID", 2),
+        ("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE_TIEBREAK_ID", 4),
+        ("CONSTRAINED_INTERPOLATION", 4),
+        ("CONSTRAINED_NODE_SET", 1),
+    ] {
+        assert_eq!(count(&deck, keyword), times, "{keyword}: {}", deck.text);
+    }
+    expect_test::expect_file!["../../decks/exported/ties.txt"].assert_eq(&deck.left.join("\n"));
+    let contacts: Vec<_> = again.job.contact.as_ref().expect("contact").each().collect();
+    for name in ["damage", "turning"] {
+        let contact = contacts.iter().find(|c| c.name == name).expect("a contact of the card");
+        assert_eq!((contact.friction, contact.friction_limit), (0.3, Some(0.2)));
+    }
+    // Another contact between the parts: a reader would have that of the card.
+    let thick = ["contact.interface.uppers on all.thickness=0.7".to_string()];
+    let (deck, _) = same_as_deck("ties.toml", &thick);
+    assert_eq!(count(&deck, "CONTACT_TIEBREAK_SURFACE_TO_SURFACE_ONLY_ID"), 6, "{}", deck.text);
+}
+
+/// Given mass, centre and inertia of a body are on the card of its leading part, with its motion at
+/// the start; what is fixed of a body of nodes is on its card.
+#[test]
+fn mass_properties_of_bodies_have_cards() {
+    let (deck, _) = same_as_deck("bodies.toml", &[]);
+    for (keyword, times) in [
+        ("PART_INERTIA", 2),
+        ("PART_INERTIA_CONTACT", 1),
+        ("CONSTRAINED_RIGID_BODIES", 1),
+        ("CONSTRAINED_NODAL_RIGID_BODY_SPC_TITLE", 1),
+        ("CONSTRAINED_GLOBAL", 2),
+    ] {
+        assert_eq!(count(&deck, keyword), times, "{keyword}: {}", deck.text);
+    }
+    // The velocity at the centre (13, 5, 7) by the spin about (5, 5, 5).
+    let lines: Vec<&str> = deck.text.lines().collect();
+    let part = lines.iter().position(|line| *line == "*PART_INERTIA").expect("a part");
+    let motion: Vec<f64> =
+        lines[part + 5].split_whitespace().map(|v| v.parse().expect("a number")).collect();
+    assert_eq!(motion, [0.0, 26.0, 0.0, 0.0, 0.0, 3.0]);
+    expect_test::expect_file!["../../decks/exported/bodies.txt"].assert_eq(&deck.left.join("\n"));
 }

@@ -418,7 +418,7 @@ fn exported_cards_say_what_other_programs_have_to_know() {
             &[
                 "*MAT_RIGID_TITLE",
                 "*CONSTRAINED_RIGID_BODIES",
-                "*CONSTRAINED_NODAL_RIGID_BODY_TITLE",
+                "*CONSTRAINED_NODAL_RIGID_BODY_SPC_TITLE",
                 "*BOUNDARY_PRESCRIBED_MOTION_RIGID",
                 "*LOAD_BODY_Y",
                 "*LOAD_BODY_Z",

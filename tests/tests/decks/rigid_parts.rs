@@ -1,4 +1,5 @@
-//! Rigid parts of decks: mass properties of their own, and prescribed rotations. The cube of the
+//! Rigid bodies of decks: mass properties of their own, what is fixed of them, planes that fix
+//! nodes, and prescribed rotations. The cube of the
 //! base is rigid: nodes 1 to 8, its centre at (5, 5, 5). Units mm, ms, kg.
 
 use crate::base::{BASE, MOVES, STEEL, model_of, report_of};
@@ -83,4 +84,69 @@ fn rotations_may_be_given_as_angles() {
     // Nodes have rotations by velocities only.
     assert!(report_of(&turn(2, "SET\n4")).contains("`vad` = 2 is not supported"));
     assert!(report_of(&turn(1, "RIGID\n2")).contains("`vad` = 1 is not supported"));
+}
+
+/// With iflag 0 the inertia of a leading part is that of the whole body; a part that it leads needs
+/// none. Others are named.
+#[test]
+fn a_leading_part_has_the_inertia_of_its_body() {
+    let second = |iflag: i32, lead: i32, other: i32| {
+        let joined = format!(
+            "*PART\nblock\n3,2,2\n*NODE\n21,30,0,0\n22,40,0,0\n23,40,10,0\n24,30,10,0\n\
+             25,30,0,10\n26,40,0,10\n27,40,10,10\n28,30,10,10\n\
+             *ELEMENT_SOLID\n9,3,21,22,23,24,25,26,27,28\n\
+             *CONSTRAINED_RIGID_BODIES\n{lead},{other},{iflag}\n"
+        );
+        with_inertia("20.0,5.0,5.0,0.02\n0.5,0.0,0.0,0.5,0.0,0.5\n0.0,0.0,0.0\n", &joined)
+    };
+    let model = model_of(&second(0, 2, 3));
+    let body = &model.job.rigid[0];
+    assert_eq!((&body.parts[..], body.mass), (&[2, 3][..], Some(0.02)));
+    // The middle of both solids is that of the card.
+    assert_eq!(body.centre, None);
+    let total: f64 = model
+        .elements
+        .mass
+        .iter()
+        .zip(&model.mesh.elements)
+        .map(|(mass, e)| if e.part == 1 { 0.0 } else { *mass })
+        .sum();
+    assert!((total - 0.02).abs() < 1e-15, "{total}");
+    for (iflag, lead, other) in [(1, 2, 3), (0, 3, 2)] {
+        let report = report_of(&second(iflag, lead, other));
+        assert!(report.contains("*PART_INERTIA of a part that is joined to others"), "{report}");
+    }
+}
+
+/// The card of a body of nodes fixes its centre and its rotations, in axes of space.
+#[test]
+fn bodies_of_nodes_are_held() {
+    let card = |codes: &str| {
+        format!(
+            "{BASE}{STEEL}{MOVES}*SET_NODE_LIST\n7\n11,12,14\n\
+             *CONSTRAINED_NODAL_RIGID_BODY_SPC\n50,0,7\n{codes}\n"
+        )
+    };
+    let fixed = |codes: &str| model_of(&card(codes)).job.rigid[0].fixed.clone();
+    assert_eq!(fixed("1,4,3"), ["x", "y", "rz"]);
+    assert!(fixed("0,4,3").is_empty());
+    let report = report_of(&card("-1,4,111"));
+    assert!(report.contains("`cmo` = -1 is not supported: constraints in local axes"), "{report}");
+}
+
+/// A plane that fixes what one of symmetry does is one; another one is named.
+#[test]
+fn global_planes_are_planes_of_symmetry() {
+    let card = |codes: &str| {
+        format!("{BASE}{STEEL}{MOVES}*CONSTRAINED_GLOBAL\n{codes},20.0,1.0,2.0,0.3\n")
+    };
+    let model = model_of(&card("1,5,1"));
+    let plane = &model.job.symmetry[0];
+    assert_eq!((plane.normal, plane.point), ([1.0, 0.0, 0.0], [20.0, 1.0, 2.0]));
+    assert_eq!(plane.tolerance, 0.3);
+    for codes in ["1,7,1", "4,5,1", "1,5,4"] {
+        let report = report_of(&card(codes));
+        assert!(report.contains("they are not those of a plane of symmetry"), "{report}");
+        assert!(report.contains("*BOUNDARY_SPC_SET"), "{report}");
+    }
 }

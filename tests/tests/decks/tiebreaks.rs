@@ -40,6 +40,10 @@ fn stresses_break_ties() {
     let surface = with(&card("TIEBREAK_SURFACE_TO_SURFACE_ID\n9,glue", "0.02,0.03"));
     assert_eq!(strengths(&surface), vec![([0.5, 0.75], [2.0, 2.0], 0.0); 4]);
     assert_eq!(surface.job.tie[0].name, "glue");
+    assert!(surface.job.contact.is_some());
+    let only = with(&card("TIEBREAK_SURFACE_TO_SURFACE_ONLY", "0.02,0.03"));
+    assert_eq!(strengths(&only), vec![([0.5, 0.75], [2.0, 2.0], 0.0); 4]);
+    assert!(only.job.contact.is_none());
     let automatic = "AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE_TIEBREAK";
     for (limits, opening) in [("2,0.02,0.03", 0.0), ("6,0.02,0.03,0.4", 0.4)] {
         let model = with(&card(automatic, limits));
@@ -72,4 +76,18 @@ fn other_options_are_refused() {
         let report = refused(&card(keyword, limits));
         assert!(report.contains(words), "{keyword} {limits}: {report}");
     }
+}
+
+/// Ties of all keywords have the order of the deck.
+#[test]
+fn ties_are_in_the_order_of_the_deck() {
+    let model = with(
+        "*SET_NODE_LIST\n7\n11,12\n*SET_NODE_LIST\n8\n14,15\n*SET_NODE_LIST\n9\n5,13\n\
+         *CONSTRAINED_NODE_SET\n9,7\n\
+         *CONTACT_TIED_NODES_TO_SURFACE_ID\n1,lasting\n7,2,4,3\n\n,,-3.0\n\
+         *CONTACT_TIEBREAK_NODES_ONLY_ID\n2,failing\n8,2,4,3\n\n,,-3.0\n0.5,0.4\n",
+    );
+    let names: Vec<&str> = model.job.tie.iter().map(|tie| tie.name.as_str()).collect();
+    assert_eq!(names, ["", "lasting", "failing"]);
+    assert_eq!(model.job.tie[0].node, Some(5));
 }

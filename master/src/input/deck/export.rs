@@ -16,6 +16,7 @@ mod damage;
 mod discrete_beams;
 mod faces;
 mod histories;
+mod inertia;
 mod initial;
 mod joints;
 mod loads;
@@ -28,6 +29,7 @@ mod rest;
 mod soft_materials;
 mod springs;
 mod switches;
+mod ties;
 mod walls;
 mod writer;
 
@@ -68,10 +70,11 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     deck.text(&line(&job.title));
     control(&mut deck, job);
     let mut next = 1 + model.settings.materials.len() as u64;
-    let bodies = bodies::materials(&mut deck, job, &model.settings.materials, next);
+    let mut bodies = bodies::materials(&mut deck, job, &model.settings.materials, next);
     next += bodies.materials.len() as u64;
     let equations = materials::write(&mut deck, model, &bodies.materials);
-    parts::write(&mut deck, model, &bodies.materials, &equations, next)?;
+    bodies.inertia = inertia::of(model, &bodies.materials);
+    parts::write(&mut deck, model, &bodies, &equations, next)?;
     let sets = node_sets(&mut deck, model);
     let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
     let mut curves = TimeCurves::new(job);
@@ -84,7 +87,7 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     bodies::write(&mut deck, (model, &bodies), &nodes, set, &mut curves);
     walls::write(&mut deck, job, set, &mut curves);
     contact::write(&mut deck, job);
-    faces::ties(&mut deck, model, set);
+    ties::write(&mut deck, model, set);
     histories::write(&mut deck, model, set);
     mesh::write(&mut deck, model);
     rest::write(&mut deck, job, &mut curves);

@@ -290,7 +290,7 @@ const ROLES: &[(&str, &str)] = &[
     ("LOAD_NODE*", "dof=1 sf=1"),
     ("LOAD_SEGMENT*", "lcid=#f:t:p sf=1 at=t"),
     ("LOAD_SHELL*", "esid=#s lcid=#f:t:p sf=1 at=t"),
-    ("CONSTRAINED_NODAL_RIGID_BODY", "iprt=1 drflag=1 rrflag=1"),
+    ("CONSTRAINED_NODAL_RIGID_BODY", "iprt=1 drflag=1 rrflag=1 cmo=1 con1=1 con2=1"),
     ("CONSTRAINED_EXTRA_NODES*", ""),
     ("CONSTRAINED_RIGID_BODIES", "iflag=1"),
     (

@@ -6,6 +6,7 @@ use crate::input::deck::record::CardRecord;
 use crate::input::job::centre;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
+use std::collections::BTreeSet;
 
 /// Largest distance between the given centre of mass and that of the elements that is round-off,
 /// as a fraction of the radius of gyration.
@@ -50,20 +51,29 @@ impl DeckConverter {
         })
     }
 
-    /// Adds the inertia of a part to its body, if it is the only part of that body. `extra` is the
-    /// number of nodes of other parts in the body.
+    /// Adds the inertia of a body of these parts, which is that of its leading part `lead`. Parts
+    /// that `follow` are joined to it without an effect on its inertia. `extra` is the number of
+    /// nodes of other parts in the body.
     pub(super) fn put_inertia(
         &mut self,
-        part: i64,
-        alone: bool,
+        lead: i64,
+        (parts, follow): (&[i64], &BTreeSet<i64>),
         extra: usize,
         table: &mut JobTable,
     ) {
-        let Some(given) = self.parts.get(&part).and_then(|p| p.inertia) else { return };
-        if !alone {
-            let message = format!("part {part}: *PART_INERTIA of a part that is joined to others");
-            return self.unsupported(given.place, message, "*PART_INERTIA".into());
-        }
+        let inertia_of = |part: &i64| self.parts.get(part).and_then(|p| p.inertia);
+        let is_whole = parts.iter().all(|part| *part == lead || follow.contains(part));
+        let Some(given) = inertia_of(&lead).filter(|_| is_whole) else {
+            let with: Vec<(i64, Place)> =
+                parts.iter().filter_map(|part| Some((*part, inertia_of(part)?.place))).collect();
+            for (part, place) in with {
+                let message =
+                    format!("part {part}: *PART_INERTIA of a part that is joined to others");
+                self.unsupported(place, message, "*PART_INERTIA".into());
+            }
+            return;
+        };
+        let part = lead;
         if extra > 0 {
             let message = format!(
                 "part {part}: masses of nodes of other parts in the body ({extra}) are added to tm"
@@ -74,12 +84,10 @@ impl DeckConverter {
         }
         table.put("mass", given.place, given.mass);
         table.put("inertia", given.place, given.tensor);
-        let centre = self.centre_of(part);
+        let centre = self.centre_of(parts);
         let away = (0..3).map(|c| (centre[c] - given.centre[c]).powi(2)).sum::<f64>().sqrt();
-        let [xx, yy, zz, ..] = given.tensor;
-        let radius = (0.5 * (xx + yy + zz) / given.mass).sqrt();
-        let moves = given.mass > 0.0 && away > SAME_CENTRE * radius;
-        let can_move = moves && self.holds_centre(part, given.centre);
+        let moves = given.mass > 0.0 && away > round_off(given.mass, given.tensor);
+        let can_move = moves && self.holds_centre(parts, given.centre);
         if can_move {
             table.put("centre", given.place, given.centre);
         } else if moves {
@@ -102,7 +110,7 @@ impl DeckConverter {
         );
         let [v, w] = given.motion;
         if given.motion != [[0.0; 3]; 2] {
-            let set = self.nodes_of_parts(&[part]);
+            let set = self.nodes_of_parts(parts);
             let spin = (w != [0.0; 3]).then_some((w, if can_move { given.centre } else { centre }));
             self.initial(given.place, Some(set), v, spin);
         }
@@ -126,9 +134,16 @@ impl DeckConverter {
         }
     }
 
-    /// Returns true if masses of the elements of a part can have this centre.
-    fn holds_centre(&mut self, part: i64, centre: [f64; 3]) -> bool {
-        let (masses, points) = self.middles_of(part);
+    /// Returns true if masses of the elements of parts can have this centre.
+    fn holds_centre(&mut self, parts: &[i64], centre: [f64; 3]) -> bool {
+        let (masses, points) = self.middles_of(parts);
         centre::factors(&masses, &points, centre).is_some()
     }
+}
+
+/// Returns the largest distance between the given centre of a body and that of its elements that
+/// is round-off, from its mass and its moments of inertia [length].
+pub(in crate::input::deck) fn round_off(mass: f64, tensor: [f64; 6]) -> f64 {
+    let [xx, yy, zz, ..] = tensor;
+    SAME_CENTRE * (0.5 * (xx + yy + zz) / mass).sqrt()
 }

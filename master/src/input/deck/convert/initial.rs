@@ -2,7 +2,7 @@
 
 use super::DeckConverter;
 use super::sets::id;
-use super::space::unit;
+use super::space::cosines;
 use super::tree::JobTable;
 use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
@@ -47,7 +47,7 @@ impl DeckConverter {
                 let v = self.velocity(&line, ["vx", "vy", "vz"], "icid");
                 let w = self.velocity(&line, ["vxr", "vyr", "vzr"], "icid");
                 let set = self.nodes_of_parts(&[part]);
-                let spin = (w != [0.0; 3]).then(|| (w, self.centre_of(part)));
+                let spin = (w != [0.0; 3]).then(|| (w, self.centre_of(&[part])));
                 self.initial(line.place, Some(set), v, spin);
             }
         }
@@ -133,7 +133,7 @@ impl DeckConverter {
                 };
                 along = [0, 1, 2].map(|c| to[c] - from[c]);
             }
-            match unit(along) {
+            match cosines(along) {
                 Some(n) => {
                     spin = Some((n.map(|c| c * omega), ["xc", "yc", "zc"].map(|c| line.real(c))))
                 }
@@ -181,25 +181,19 @@ impl DeckConverter {
         }
     }
 
-    /// Returns the centre of a part: the mean of its elements' centres, weighted by area or
+    /// Returns the centre of parts: the mean of the centres of their elements, weighted by area or
     /// volume.
-    pub(super) fn centre_of(&mut self, part: i64) -> [f64; 3] {
-        let (sizes, middles) = self.middles_of(part);
-        let total: f64 = sizes.iter().sum();
-        let along = |c: usize| sizes.iter().zip(&middles).map(|(size, x)| size * x[c]).sum::<f64>();
-        if total > 0.0 { [0, 1, 2].map(|c| along(c) / total) } else { [0.0; 3] }
+    pub(super) fn centre_of(&mut self, parts: &[i64]) -> [f64; 3] {
+        let (sizes, middles) = self.middles_of(parts);
+        mean(&sizes, &middles)
     }
 
-    /// Returns the areas of the shells or volumes of the solids of a part, and their middles.
-    pub(super) fn middles_of(&mut self, part: i64) -> (Vec<f64>, Vec<[f64; 3]>) {
-        let of_part = |e: &&MeshElement| i64::from(e.part) == part && !e.shape.faces().is_empty();
-        let elements: Vec<_> = self.rows.elements().filter(of_part).copied().collect();
-        let middle = |element: &MeshElement| {
-            let x = self.corners_of(element);
-            let mean = |c: usize| x.iter().map(|x| x[c]).sum::<f64>() / x.len().max(1) as f64;
-            (size(element.shape, &x), [0, 1, 2].map(mean))
-        };
-        elements.iter().map(middle).unzip()
+    /// Returns the areas of the shells or volumes of the solids of parts, and their middles.
+    pub(super) fn middles_of(&mut self, parts: &[i64]) -> (Vec<f64>, Vec<[f64; 3]>) {
+        let of_parts =
+            |e: &&MeshElement| parts.contains(&i64::from(e.part)) && !e.shape.faces().is_empty();
+        let elements: Vec<_> = self.rows.elements().filter(of_parts).copied().collect();
+        elements.iter().map(|e| size_and_middle(e.shape, &self.corners_of(e))).unzip()
     }
 
     /// Returns the coordinates of the corners of an element; none if one has no node.
@@ -212,6 +206,19 @@ impl DeckConverter {
     pub(super) fn size_of(&mut self, element: &MeshElement) -> f64 {
         size(element.shape, &self.corners_of(element))
     }
+}
+
+/// Returns the mean of points with weights, the origin if these are 0.
+pub(in crate::input::deck) fn mean(weights: &[f64], points: &[[f64; 3]]) -> [f64; 3] {
+    let total: f64 = weights.iter().sum();
+    let along = |c: usize| weights.iter().zip(points).map(|(w, x)| w * x[c]).sum::<f64>();
+    if total > 0.0 { [0, 1, 2].map(|c| along(c) / total) } else { [0.0; 3] }
+}
+
+/// Returns the area of a shell or the volume of a solid with these corners, and their mean.
+pub(in crate::input::deck) fn size_and_middle(shape: Shape, x: &[[f64; 3]]) -> (f64, [f64; 3]) {
+    let mean = |c: usize| x.iter().map(|x| x[c]).sum::<f64>() / x.len().max(1) as f64;
+    (size(shape, x), [0, 1, 2].map(mean))
 }
 
 /// Returns the area of a shell or the volume of a solid; 0 without corners, and for other shapes.

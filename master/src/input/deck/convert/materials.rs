@@ -416,6 +416,11 @@ impl DeckConverter {
         if record.real("n") != 0.0 {
             self.unsupported_value(record, "n", "coupling with another program");
         }
+        self.held_centre(record)
+    }
+
+    /// Returns the degrees of freedom of a rigid body that the codes of a card fix.
+    pub(super) fn held_centre(&mut self, record: &CardRecord) -> Vec<&'static str> {
         match record.real("cmo") {
             1.0 => {
                 let mut held = held(record.real("con1"), ["x", "y", "z"]);

@@ -14,8 +14,8 @@ mod equations;
 mod fabric;
 mod histories;
 mod honeycomb;
-mod inertia;
-mod initial;
+pub(in crate::input::deck) mod inertia;
+pub(in crate::input::deck) mod initial;
 mod joints;
 mod left_out;
 mod loads;
@@ -118,6 +118,8 @@ pub struct DeckConverter {
     with_offset: Vec<(i64, bool)>,
     /// Individual friction of parts.
     part_friction: BTreeMap<i64, contact::Friction>,
+    /// Ties with the numbers of their blocks.
+    ties: Vec<(usize, JobTable)>,
     /// Contacts that are left of ties that fail.
     broken_contacts: Vec<CardRecord>,
     /// Names of rigid bodies by part.
@@ -186,6 +188,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.equations_of_state(&mut materials);
     b.units(&mut materials);
     b.spc();
+    b.planes();
     b.rigid();
     b.switches();
     b.joints();
@@ -204,6 +207,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.ties();
     b.interpolations();
     b.node_sets_as_one();
+    b.put_ties();
     b.histories();
     b.left_over();
     b.unused_fields();
@@ -260,6 +264,7 @@ impl DeckConverter {
             spring_directions: BTreeMap::new(),
             with_offset: Vec::new(),
             part_friction: BTreeMap::new(),
+            ties: Vec::new(),
             broken_contacts: Vec::new(),
             bodies: BTreeMap::new(),
             node_bodies: HashMap::new(),

@@ -4,6 +4,7 @@ use super::DeckConverter;
 use super::materials::held;
 use super::sets::id;
 use super::tree::JobTable;
+use crate::input::deck::Unsupported;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
@@ -54,6 +55,40 @@ impl DeckConverter {
             let mut dofs = held(tc as f64, ["x", "y", "z"]);
             dofs.extend(held(rc as f64, ["rx", "ry", "rz"]));
             self.fix_nodes("node", dofs, nodes, place);
+        }
+    }
+
+    /// Converts `*CONSTRAINED_GLOBAL`: nodes on a plane that are fixed as on one of symmetry.
+    pub(super) fn planes(&mut self) {
+        for record in self.take_records("CONSTRAINED_GLOBAL") {
+            for line in record.lines("tc") {
+                let place = line.place("dir");
+                let [tc, rc, dir] = ["tc", "rc", "dir"].map(|field| line.integer(field));
+                // The code of two axes is that of the first one of them in their cycle, plus 3.
+                let turns = match dir {
+                    1 => 5,
+                    2 => 6,
+                    3 => 4,
+                    _ => 0,
+                };
+                if (tc, rc) != (dir, turns) || turns == 0 {
+                    let message = format!(
+                        "{}: tc {tc} and rc {rc} with dir {dir} are not supported: they are not \
+                         those of a plane of symmetry along an axis",
+                        record.name()
+                    );
+                    let what = format!("{} tc={tc} rc={rc} dir={dir}", record.name());
+                    let lost = "give its nodes a *BOUNDARY_SPC_SET".into();
+                    self.unsupported.push(Unsupported { place, message, what, lost });
+                    continue;
+                }
+                let normal = [1, 2, 3].map(|axis| if axis == dir { 1.0 } else { 0.0 });
+                let table = JobTable::new(place)
+                    .with("point", line.place("x"), ["x", "y", "z"].map(|c| line.real(c)))
+                    .with("normal", place, normal)
+                    .with("tolerance", line.place("tol"), line.real("tol"));
+                self.add("symmetry", table);
+            }
         }
     }
 

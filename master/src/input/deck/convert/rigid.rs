@@ -29,6 +29,7 @@ impl DeckConverter {
             }
         }
         self.switched(&mut lead);
+        let mut follow = BTreeSet::new();
         for record in self.take_records("CONSTRAINED_RIGID_BODIES") {
             for line in record.lines("pidl") {
                 let (l, c) = (line.integer("pidl"), line.integer("pidc"));
@@ -36,6 +37,7 @@ impl DeckConverter {
                     && self.is_rigid(c, line.place("pidc"), &lead)
                 {
                     join(&mut lead, l, c);
+                    follow.extend((line.integer("iflag") == 0).then_some(c));
                 }
             }
         }
@@ -72,8 +74,7 @@ impl DeckConverter {
             if !has_elements && extra > 0 {
                 parts.iter().for_each(|&part| self.bare_inertia(part, &set));
             } else {
-                let alone = parts.len() == 1;
-                parts.iter().for_each(|&part| self.put_inertia(part, alone, extra, &mut table));
+                self.put_inertia(id, (&parts, &follow), extra, &mut table);
                 table.put("parts", place, parts);
             }
             if !body.fixed.is_empty() {
@@ -214,6 +215,12 @@ impl DeckConverter {
                 record.place(field),
                 set,
             );
+            if record.has("SPC") {
+                let fixed = self.held_centre(&record);
+                if !fixed.is_empty() {
+                    table.put("fixed", record.place("cmo"), fixed);
+                }
+            }
             stops.put(&mut table, |of| of == pid);
             self.add("rigid", table);
             self.bodies.entry(pid).or_insert(name);

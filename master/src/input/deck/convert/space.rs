@@ -113,3 +113,12 @@ pub fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
     (largest > 0.0 && largest.is_finite()).then(|| scaled.map(|c| c / length))
 }
+
+/// Returns direction cosines: a vector of unit length as it is, another one normalised, so that
+/// a direction that is written with all digits keeps them.
+pub fn cosines(v: [f64; 3]) -> Option<[f64; 3]> {
+    /// Difference of the square of a length from 1 that is round-off.
+    const ROUNDED: f64 = 1e-12;
+    let square: f64 = v.iter().map(|c| c * c).sum();
+    if (square - 1.0).abs() <= ROUNDED { Some(v) } else { unit(v) }
+}

@@ -19,10 +19,11 @@ enum LimitsOfTie {
 }
 
 /// Keywords with their limits; true if contact follows the failure.
-const KEYWORDS: [(&str, LimitsOfTie, bool); 5] = [
+const KEYWORDS: [(&str, LimitsOfTie, bool); 6] = [
     ("CONTACT_TIEBREAK_NODES_TO_SURFACE", LimitsOfTie::Forces, true),
     ("CONTACT_TIEBREAK_NODES_ONLY", LimitsOfTie::Forces, false),
     ("CONTACT_TIEBREAK_SURFACE_TO_SURFACE", LimitsOfTie::Stresses, true),
+    ("CONTACT_TIEBREAK_SURFACE_TO_SURFACE_ONLY", LimitsOfTie::Stresses, false),
     ("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_TIEBREAK", LimitsOfTie::Automatic, true),
     ("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE_TIEBREAK", LimitsOfTie::Automatic, true),
 ];
@@ -67,7 +68,7 @@ impl DeckConverter {
                         None => "a tie of the nodes that are on the surface at the start",
                     };
                     self.map(label.as_str(), record.name(), used);
-                    self.add("tie", table);
+                    self.add_tie(record.block, table);
                 }
             }
             if touches {

@@ -40,6 +40,18 @@ impl DeckConverter {
         }
     }
 
+    /// Notes a tie of the block with this number.
+    pub(super) fn add_tie(&mut self, block: usize, table: JobTable) {
+        self.ties.push((block, table));
+    }
+
+    /// Adds all ties to the job, in the order of the deck.
+    pub(super) fn put_ties(&mut self) {
+        let mut ties = std::mem::take(&mut self.ties);
+        ties.sort_by_key(|(block, _)| *block);
+        ties.into_iter().for_each(|(_, table)| self.add("tie", table));
+    }
+
     /// Converts `*CONSTRAINED_INTERPOLATION`.
     pub(super) fn interpolations(&mut self) {
         for (record, number) in self.take_records("CONSTRAINED_INTERPOLATION").iter().zip(1..) {
@@ -106,7 +118,7 @@ impl DeckConverter {
             let weights: Vec<f64> = weights.into_values().collect();
             table.put("weights", record.place("twghtx"), weights);
         }
-        self.add("tie", table);
+        self.add_tie(record.block, table);
     }
 
     fn tie(&mut self, record: &CardRecord, (number, name): (usize, String), rotations: bool) {
@@ -133,7 +145,7 @@ impl DeckConverter {
             }
         };
         self.map(of, asked, used);
-        self.add("tie", table);
+        self.add_tie(record.block, table);
     }
 
     /// Returns the table of a tie; none if it has no nodes or no surface.

@@ -73,7 +73,7 @@ impl DeckConverter {
             self.rows.add_set(set.clone(), others.to_vec(), place);
             let carrier = i64::try_from(first.0).unwrap_or(i64::MAX);
             let table = JobTable::new(place).with("nodes", place, set).with("node", place, carrier);
-            self.add("tie", table);
+            self.add_tie(record.block, table);
             self.map(
                 format!("set {nsid}"),
                 "nodes that share displacements",

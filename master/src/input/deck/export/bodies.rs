@@ -1,5 +1,6 @@
 //! Writes rigid bodies and prescribed motion as cards.
 
+use super::inertia::InertiaCards;
 use super::joints::JointNodes;
 use super::{
     Blank, CardValue, DeckWriter, Id, LeftReason, Number, TimeCurves, line, list, named, switches,
@@ -15,6 +16,8 @@ use toml::{Table, Value};
 pub struct DeckBodies {
     /// Material id by rigid part.
     pub materials: BTreeMap<u32, u64>,
+    /// Mass properties of bodies by their leading parts.
+    pub inertia: BTreeMap<u32, InertiaCards>,
     /// Part for motions, by the name of the body in the job; empty if bodies are not written as
     /// cards.
     parts: BTreeMap<String, u64>,
@@ -84,21 +87,25 @@ pub fn materials(
 
 const DOFS: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 
+/// Returns the codes of the fixed displacements and rotations of a body: 1 x, 2 y, 3 z, 4 xy, 5 yz,
+/// 6 zx, 7 all.
+fn fixed_codes(body: &Rigid) -> [u64; 2] {
+    [0, 3].map(|first| {
+        let held = [0, 1, 2].map(|c| body.fixed.iter().any(|d| d == DOFS[first + c]));
+        [0, 1, 2, 4, 3, 6, 5, 7]
+            [usize::from(held[0]) + 2 * usize::from(held[1]) + 4 * usize::from(held[2])]
+    })
+}
+
 fn rigid_material(deck: &mut DeckWriter, material: &Material, body: &Rigid, mid: u64) {
     let number = |key: &str| match material.parameters.get(key) {
         Some(crumple_proto::partition::Param::Number(x)) => Number(*x),
         _ => Blank,
     };
-    // 1 x, 2 y, 3 z, 4 xy, 5 yz, 6 zx, 7 all.
-    let code = |first: usize| {
-        let held = [0, 1, 2].map(|c| body.fixed.iter().any(|d| d == DOFS[first + c]));
-        [0, 1, 2, 4, 3, 6, 5, 7]
-            [usize::from(held[0]) + 2 * usize::from(held[1]) + 4 * usize::from(held[2])]
-    };
     deck.keyword("MAT_RIGID_TITLE");
     deck.text(&format!("{}, {}", line(&material.name), line(&body.name)));
     deck.card(&[Id(mid), Number(material.density), number("youngs_modulus"), number("poisson")]);
-    let codes = [code(0), code(3)];
+    let codes = fixed_codes(body);
     deck.card(&[Id(u64::from(codes != [0, 0])), Id(codes[0]), Id(codes[1])]);
     deck.card(&[]);
 }
@@ -195,11 +202,13 @@ fn join(
             }
             _ => nodes.unwrap_or(Blank),
         };
-        deck.keyword("CONSTRAINED_NODAL_RIGID_BODY_TITLE");
+        let codes = fixed_codes(body);
+        let option = if codes == [0, 0] { "" } else { "_SPC" };
+        deck.keyword(&format!("CONSTRAINED_NODAL_RIGID_BODY{option}_TITLE"));
         deck.text(&line(&body.name));
         deck.card(&[Id(part), Blank, nodes]);
-        if !body.fixed.is_empty() {
-            own.insert("fixed".into(), Value::from(body.fixed.clone()));
+        if codes != [0, 0] {
+            deck.card(&[Id(1), Id(codes[0]), Id(codes[1])]);
         }
     } else {
         let others: BTreeSet<u32> =
@@ -217,16 +226,21 @@ fn join(
             added.iter().for_each(|&node| deck.card(&[Id(part), Id(node)]));
         }
     }
-    if let Some(mass) = body.mass {
-        own.insert("mass".into(), mass.into());
-    }
-    for (key, numbers) in
-        [("centre", body.centre.map(|c| c.to_vec())), ("inertia", body.inertia.map(|i| i.to_vec()))]
-    {
-        own.extend(numbers.map(|numbers| (key.to_string(), Value::from(numbers))));
-    }
-    if own.len() > 1 {
-        deck.entry("rigid", own);
+    let centre = body.centre.map(|centre| ("centre".to_string(), Value::from(centre.to_vec())));
+    match body.parts.first().and_then(|lead| bodies.inertia.get(lead)) {
+        Some(on_card) if on_card.has_centre || centre.is_none() => {}
+        Some(_) => {
+            own.extend(centre);
+            deck.digits("rigid", own);
+        }
+        None => {
+            own.extend(body.mass.map(|mass| ("mass".to_string(), mass.into())));
+            own.extend(centre);
+            own.extend(body.inertia.map(|i| ("inertia".to_string(), Value::from(i.to_vec()))));
+            if own.len() > 1 {
+                deck.entry("rigid", own);
+            }
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Writes contact and its interfaces, each as a card with sets of its parts. Keys without a field
 //! on the card, such as laws, are written after `$crumple:` with the name of the interface.
 
-use super::{Blank, CardValue, DeckWriter, Id, LeftReason, Number, differing, line, named};
+use super::writer::unique_names;
+use super::{Blank, CardValue, DeckWriter, Id, LeftReason, Number, differing, named};
 use crumple_proto::job::{ContactInput, Interface, Job};
-use std::collections::BTreeSet;
 use toml::{Table, Value};
 
 /// Keys of `[contact]` and of interfaces that cards hold.
@@ -31,11 +31,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job) {
     let Some(contact) = &job.contact else { return };
     let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
     let all: Vec<ContactInput> = contact.each().collect();
-    let touches = |c: &ContactInput| {
-        c.law != ContactInput::NO_LAW && c.sides(&ids).iter().all(|side| !side.is_empty())
-    };
-    let in_order = all.iter().map(|c| !c.against.is_empty()).is_sorted();
-    if !(in_order && all.iter().all(touches)) {
+    if !has_cards(&all, &ids) {
         let plain = ContactInput {
             friction: contact.friction,
             parts: contact.parts.clone(),
@@ -51,7 +47,9 @@ pub fn write(deck: &mut DeckWriter, job: &Job) {
         );
     }
     let names = names(&all);
-    for (number, (one, name)) in (1..).zip(all.iter().zip(&names)) {
+    for (one, name) in all.iter().zip(&names) {
+        deck.contacts += 1;
+        let number = deck.contacts;
         let heading =
             (!(number == 1 && contact.name.is_empty())).then_some((number, name.as_str()));
         card(deck, one, (&ids, job.end_time), heading);
@@ -78,20 +76,62 @@ pub fn write(deck: &mut DeckWriter, job: &Job) {
     }
 }
 
+/// Returns true if each contact becomes a card. `ids` are those of all parts.
+fn has_cards(all: &[ContactInput], ids: &[u32]) -> bool {
+    let touches = |c: &ContactInput| {
+        c.law != ContactInput::NO_LAW && c.sides(ids).iter().all(|side| !side.is_empty())
+    };
+    all.iter().map(|c| !c.against.is_empty()).is_sorted() && all.iter().all(touches)
+}
+
+/// Returns the contact that applies to all pairs of a part of one side and a part of the other one,
+/// if the card of a tie between them has all its settings.
+pub(super) fn between(job: &Job, sides: [&[u32]; 2]) -> Option<ContactInput> {
+    let ids: Vec<u32> = job.part.iter().map(|p| p.id).collect();
+    let all: Vec<ContactInput> = job.contact.as_ref()?.each().collect();
+    if !has_cards(&all, &ids) {
+        return None;
+    }
+    let pairs: Vec<[Vec<u32>; 2]> = all
+        .iter()
+        .map(|c| c.sides(&ids).map(|side| side.into_iter().map(|place| ids[place]).collect()))
+        .collect();
+    let of = |a: u32, b: u32| {
+        pairs.iter().rposition(|[ahead, behind]| {
+            ahead.contains(&a) && behind.contains(&b) || ahead.contains(&b) && behind.contains(&a)
+        })
+    };
+    let mut found = sides[0].iter().flat_map(|&a| sides[1].iter().map(move |&b| of(a, b)));
+    let first = found.next()??;
+    let one = &all[first];
+    // An interface inherits from the first contact what its card does not have.
+    let inherits = one.law != MORTAR
+        && one.law == all[0].law
+        && one.shell_offset == all[0].shell_offset
+        && one.parameters == all[0].parameters;
+    let plain = one.birth == 0.0
+        && one.death.is_none()
+        && one.thickness.is_none()
+        && one.thickness_scale == 1.0
+        && one.friction_table.is_empty();
+    (inherits && plain && found.all(|other| other == Some(first))).then(|| one.clone())
+}
+
+/// Returns the fields of the friction of a contact.
+pub(super) fn friction(c: &ContactInput) -> [CardValue; 4] {
+    let dynamic = c.friction_dynamic.unwrap_or(c.friction);
+    let limit = or_blank(c.friction_limit.unwrap_or(0.0));
+    [Number(c.friction), Number(dynamic), or_blank(c.friction_decay), limit]
+}
+
+/// Returns a number above zero as a field; no other one has a meaning there.
+fn or_blank(x: f64) -> CardValue {
+    if x > 0.0 && x.is_finite() { Number(x) } else { Blank }
+}
+
 /// Returns unique names of the interfaces.
 pub(in crate::input::deck) fn names(all: &[ContactInput]) -> Vec<String> {
-    let numbered = |number: usize| format!("contact {number}");
-    let name = |(number, c): (usize, &ContactInput)| match line(&c.name)
-        .chars()
-        .take(70)
-        .collect::<String>()
-    {
-        name if name.is_empty() => numbered(number),
-        name => name,
-    };
-    let names: Vec<String> = (1..).zip(all).map(name).collect();
-    let are_unique = names.iter().collect::<BTreeSet<_>>().len() == names.len();
-    if are_unique { names } else { (1..=all.len()).map(numbered).collect() }
+    unique_names("contact", all.iter().map(|c| c.name.as_str()))
 }
 
 /// Returns the keys of an interface that are not among `carried`; `None` if there are none.
@@ -143,20 +183,8 @@ fn card(
         None => deck.keyword(&keyword),
     }
     deck.card(&[surfa, surfb, typea, typeb]);
-    let dynamic = c.friction_dynamic.unwrap_or(c.friction);
-    let or_blank = |x: f64| if x > 0.0 && x.is_finite() { Number(x) } else { Blank };
-    let limit = or_blank(c.friction_limit.unwrap_or(0.0));
     let (birth, death) = (or_blank(c.birth), or_blank(c.death.filter(|&t| t < end).unwrap_or(0.0)));
-    deck.card(&[
-        Number(c.friction),
-        Number(dynamic),
-        or_blank(c.friction_decay),
-        limit,
-        Blank,
-        Blank,
-        birth,
-        death,
-    ]);
+    deck.card(&[&friction(c)[..], &[Blank, Blank, birth, death]].concat());
     let thickness = or_blank(c.thickness.unwrap_or(0.0));
     let scale = if c.thickness_scale == 1.0 { Blank } else { Number(c.thickness_scale) };
     let of_other = |field: CardValue| if single { Blank } else { field };

@@ -163,7 +163,7 @@ fn transducers(deck: &mut DeckWriter, model: &Model, set: impl Fn(&str) -> CardV
             && (t.from_parts.is_empty() || t.from_nodes.is_none())
     };
     let count = all.iter().take_while(has_card).count();
-    for (transducer, number) in all[..count].iter().zip(1..) {
+    for transducer in &all[..count] {
         let mut side = |parts: &[u32], nodes: &Option<String>| match nodes {
             Some(nodes) => [set(nodes), Id(4)],
             None if parts.is_empty() => [Blank; 2],
@@ -172,7 +172,8 @@ fn transducers(deck: &mut DeckWriter, model: &Model, set: impl Fn(&str) -> CardV
         let [a, a_type] = side(&transducer.parts, &transducer.nodes);
         let [b, b_type] = side(&transducer.from_parts, &transducer.from_nodes);
         deck.keyword("CONTACT_FORCE_TRANSDUCER_PENALTY_ID");
-        deck.named_card(number, &transducer.name);
+        deck.contacts += 1;
+        deck.named_card(deck.contacts, &transducer.name);
         deck.card(&[a, b, a_type, b_type]);
         deck.card(&[]);
         deck.card(&[]);

@@ -1,8 +1,9 @@
 //! Writes masses, constraints and initial velocities as cards.
 
+use super::writer::exact_quotient;
 use super::{Blank, CardValue, DeckWriter, Id, Number, list};
-use crate::input::deck::convert::space::unit;
-use crumple_proto::job::{InitialVelocity, Job};
+use crate::input::deck::convert::space::cosines;
+use crumple_proto::job::{InitialVelocity, Job, Symmetry};
 
 /// Writes the initial state of the model.
 pub fn write(deck: &mut DeckWriter, job: &Job, set: impl Fn(&str) -> CardValue) {
@@ -16,7 +17,22 @@ pub fn write(deck: &mut DeckWriter, job: &Job, set: impl Fn(&str) -> CardValue) 
             .map(|d| Id(u64::from(fix.dofs.iter().any(|f| f == d))));
         deck.card(&[&[set(&fix.nodes), Blank], held.as_slice()].concat());
     }
+    planes(deck, &job.symmetry);
     velocities(deck, &job.initial_velocity, set);
+}
+
+/// Writes planes of symmetry.
+fn planes(deck: &mut DeckWriter, planes: &[Symmetry]) {
+    for plane in planes {
+        let of = |c: &usize| plane.normal[*c].abs();
+        let axis = (0..3).max_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0);
+        // The displacement along the normal, and the rotations about the other two axes.
+        let (dir, turns) = [(1, 5), (2, 6), (3, 4)][axis];
+        deck.keyword("CONSTRAINED_GLOBAL");
+        let head = [Id(dir), Id(turns), Id(dir)];
+        let tail = [Number(plane.tolerance)];
+        deck.card(&[&head[..], &plane.point.map(Number), &tail].concat());
+    }
 }
 
 /// Writes initial velocities. A later one overrides an earlier one, so that all of them have the
@@ -46,11 +62,18 @@ fn velocities(deck: &mut DeckWriter, all: &[InitialVelocity], set: impl Fn(&str)
 
 /// Returns speed and direction of a rotation, if a reader has the same bits by them.
 fn turn(spin: [f64; 3]) -> Option<(f64, [f64; 3])> {
-    let Some(along) = unit(spin) else { return Some((0.0, [0.0; 3])) };
+    /// Largest number of neighbours of the speed to try; their directions have unit length.
+    const TRIED: usize = 1000;
     let speed = spin.iter().map(|c| c * c).sum::<f64>().sqrt();
-    let read = unit(along)?;
-    [speed, speed.next_up(), speed.next_down()]
-        .into_iter()
-        .find(|&speed| read.map(|c| c * speed) == spin)
-        .map(|speed| (speed, along))
+    if speed == 0.0 {
+        return Some((0.0, [0.0; 3]));
+    }
+    let above = std::iter::successors(Some(speed), |x| Some(x.next_up()));
+    let below = std::iter::successors(Some(speed.next_down()), |x| Some(x.next_down()));
+    let speeds = above.zip(below).take(TRIED).flat_map(|(x, y)| [x, y]);
+    let mut found = speeds.filter_map(|speed| {
+        let [x, y, z] = spin.map(|c| exact_quotient(c, speed));
+        Some((speed, [x?, y?, z?]))
+    });
+    found.find(|&(speed, along)| cosines(along).is_some_and(|read| read.map(|c| c * speed) == spin))
 }

@@ -4,6 +4,7 @@
 
 use super::beams::end_of;
 use super::bodies::DeckBodies;
+use super::writer::exact_quotient;
 use super::{Blank, CardValue, DeckWriter, Id, Number, named, points, table_of};
 use crate::input::deck::convert::space::{cross, unit};
 use crumple_proto::job::{Job, JointInput, JointKind, JointResistance};
@@ -185,11 +186,7 @@ fn resists(
 
 /// Returns the number that gives `product` times `factor`, to the last bit if there is one.
 fn divided(product: f64, factor: f64) -> f64 {
-    let nearest = product / factor;
-    [nearest, nearest.next_up(), nearest.next_down()]
-        .into_iter()
-        .find(|x| factor * x == product)
-        .unwrap_or(nearest)
+    exact_quotient(product, factor).unwrap_or(product / factor)
 }
 
 /// Returns a unit vector perpendicular to a unit vector.

@@ -1,5 +1,6 @@
 //! Writes parts with their sections and hourglass control.
 
+use super::bodies::DeckBodies;
 use super::{
     Blank, CardValue, DeckWriter, Id, Number, beams, cohesive, composites, discrete_beams, line,
     particles, springs,
@@ -16,15 +17,27 @@ use toml::{Table, Value};
 pub fn write(
     deck: &mut DeckWriter,
     model: &Model,
-    rigid: &BTreeMap<u32, u64>,
+    bodies: &DeckBodies,
     equations: &BTreeMap<&str, u64>,
     mut next: u64,
 ) -> Result<(), String> {
+    let rigid = &bodies.materials;
     let mut shapes: BTreeMap<u32, BTreeSet<bool>> = BTreeMap::new();
     for element in &model.mesh.elements {
         shapes.entry(element.part).or_default().insert(element.shape.is_shell());
     }
     let materials = &model.settings.materials;
+    let is_shell = |part: &Part| {
+        let others = part.spring.is_some()
+            || part.discrete_beam.is_some()
+            || part.particles.is_some()
+            || part.beam.is_some()
+            || part.truss.is_some();
+        let of = shapes.get(&part.id).and_then(BTreeSet::first);
+        !others && of.copied().unwrap_or(part.thickness > 0.0)
+    };
+    let of_shells: Vec<&Part> = model.settings.parts.iter().filter(|part| is_shell(part)).collect();
+    let common = shell_settings(deck, &of_shells);
     for part in &model.settings.parts {
         if let Some(spring) = &part.spring {
             springs::part(deck, part, spring, next);
@@ -66,23 +79,60 @@ pub fn write(
             ));
         }
         if !part.layer.is_empty() {
-            let hourglass = hourglass(deck, (model, part), shells);
+            let hourglass = hourglass(deck, (model, part), shells, common);
             composites::part(deck, part, materials, hourglass);
             continue;
         }
         section(deck, part, shells);
-        let hourglass = hourglass(deck, (model, part), shells);
+        let hourglass = hourglass(deck, (model, part), shells, common);
         let contact = contact_fields(part).filter(|_| shells);
-        deck.keyword(if contact.is_some() { "PART_CONTACT" } else { "PART" });
+        let inertia = bodies.inertia.get(&part.id);
+        let own = if inertia.is_some() { "_INERTIA" } else { "" };
+        deck.keyword(&format!("PART{own}{}", if contact.is_some() { "_CONTACT" } else { "" }));
         deck.text(&line(&part.name));
         let equation = equations.get(part.material.as_str()).filter(|_| mid == plain);
         let equation = equation.map_or(Blank, |&id| Id(id));
         deck.card(&[Id(id), Id(id), Id(mid), equation, if hourglass { Id(id) } else { Blank }]);
+        inertia.iter().flat_map(|own| own.cards()).for_each(|card| deck.card(&card));
         if let Some(fields) = contact {
             deck.card(&[&[Blank; 4][..], &fields].concat());
         }
     }
     Ok(())
+}
+
+/// Settings of all parts of shells on one card.
+#[derive(Clone, Copy)]
+struct ShellSettings {
+    /// All parts of shells become thinner.
+    thinning: bool,
+    /// Parts have the default drilling stiffness.
+    drilling: bool,
+}
+
+/// Writes settings that all parts of shells have in common.
+fn shell_settings(deck: &mut DeckWriter, all: &[&Part]) -> ShellSettings {
+    let is_thin =
+        |part: &&Part| !part.skin && part.parameters.get("thinning") == Some(&Setting::Flag(true));
+    let thinning = !all.is_empty() && all.iter().all(is_thin);
+    let stiff =
+        all.iter().filter(|part| may_drill(part) && !part.parameters.contains_key("drilling"));
+    let stiff: Vec<u32> = stiff.map(|part| part.id).collect();
+    let set = if stiff.is_empty() { Blank } else { Id(deck.part_set(&stiff)) };
+    if thinning || !stiff.is_empty() {
+        deck.keyword("CONTROL_SHELL");
+        deck.card(&[Blank, Blank, Blank, if thinning { Id(1) } else { Blank }]);
+        deck.card(&[]);
+        deck.card(&[]);
+        deck.card(&[Blank, Blank, Blank, Blank, Blank, set]);
+    }
+    ShellSettings { thinning, drilling: !stiff.is_empty() }
+}
+
+/// Returns true for a part whose formulation has no drilling stiffness in a deck without a card
+/// for it.
+fn may_drill(part: &Part) -> bool {
+    part.element.as_deref() == Some("belytschko_tsay") && !is_membrane(part)
 }
 
 /// Returns thickness and scale of a part in contact as fields; `None` if both are the defaults, or
@@ -141,7 +191,12 @@ fn is_membrane(part: &Part) -> bool {
 }
 
 /// Writes hourglass control and viscosity of a part. Returns true if there are any.
-fn hourglass(deck: &mut DeckWriter, (model, part): (&Model, &Part), shells: bool) -> bool {
+fn hourglass(
+    deck: &mut DeckWriter,
+    (model, part): (&Model, &Part),
+    shells: bool,
+    common: ShellSettings,
+) -> bool {
     let solids = !shells && !is_cohesive(part);
     let by_card = solids || part.element.as_deref() == Some("belytschko_tsay");
     let given = |key: &str| part.parameters.get(key);
@@ -173,6 +228,11 @@ fn hourglass(deck: &mut DeckWriter, (model, part): (&Model, &Part), shells: bool
         "hourglass" | "warping" | "membrane" => by_card,
         "hourglass_coefficient" => coefficient.is_some(),
         "bulk_viscosity" => !viscosity.is_empty(),
+        "thinning" => shells && common.thinning,
+        "drilling" => {
+            let is_zero = given("drilling").and_then(Setting::number) == Some(0.0);
+            is_zero && may_drill(part) && !common.drilling
+        }
         _ => cohesive::is_on_card(key, part),
     };
     let mut own = Table::from_iter([("id".to_string(), Value::from(part.id))]);
@@ -180,13 +240,6 @@ fn hourglass(deck: &mut DeckWriter, (model, part): (&Model, &Part), shells: bool
         own.extend(Value::try_from(value).ok().map(|value| (key.clone(), value)));
     }
     own.extend(cohesive::differing(part, &model.settings.parts));
-    // A deck has no drilling stiffness for this formulation.
-    if let (Some("belytschko_tsay"), None, false) =
-        (part.element.as_deref(), given("drilling"), is_membrane(part))
-        && let Some(row) = formulation(part, Shape::Quad4)
-    {
-        own.insert("drilling".into(), row.values(part).number("drilling").into());
-    }
     if part.element.as_deref() == Some("fully_integrated_quad") {
         own.insert("element".into(), "fully_integrated_quad".into());
     }

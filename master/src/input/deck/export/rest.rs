@@ -41,7 +41,6 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
             time.extend(limit);
         }
     }
-    list(deck, "symmetry", &job.symmetry);
     list(deck, "require", &job.require);
     if !job.placeholders.is_empty() {
         deck.note("placeholders", LeftReason::Lost, job.placeholders.len());

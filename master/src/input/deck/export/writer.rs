@@ -3,7 +3,7 @@
 
 use crate::input::deck::number::shortest;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
 
 /// Columns per field.
@@ -33,6 +33,8 @@ pub(in crate::input::deck) struct DeckWriter {
     pub(super) left: BTreeMap<(String, LeftReason), usize>,
     /// Number of curves so far.
     pub(super) curves: u64,
+    /// Largest id of a contact so far; ties and transducers are contacts, too.
+    pub(super) contacts: u64,
     /// Number of sets of parts so far.
     pub(super) part_sets: u64,
     /// Number of sets of segments so far.
@@ -226,6 +228,21 @@ pub(in crate::input::deck) fn table_of(entry: &impl Serialize) -> Table {
     table
 }
 
+/// Returns a name for each entry, as on a card of a contact: the given one, or `kind` and its
+/// number if it is empty. If two are equal, all get numbers.
+pub(super) fn unique_names<'n>(kind: &str, given: impl Iterator<Item = &'n str>) -> Vec<String> {
+    /// Longest name on a card.
+    const LONGEST: usize = 70;
+    let numbered = |number: usize| format!("{kind} {number}");
+    let name = |(number, given): (usize, &str)| {
+        let name: String = line(given).chars().take(LONGEST).collect();
+        if name.is_empty() { numbered(number) } else { name }
+    };
+    let names: Vec<String> = (1..).zip(given).map(name).collect();
+    let are_unique = names.iter().collect::<BTreeSet<_>>().len() == names.len();
+    if are_unique { names } else { (1..=names.len()).map(numbered).collect() }
+}
+
 /// Returns a name as the entry of a table.
 pub(in crate::input::deck) fn named(name: &str) -> (String, Value) {
     ("name".into(), name.into())
@@ -239,4 +256,11 @@ pub(super) fn points(deck: &mut DeckWriter, pairs: &[[f64; 2]]) -> u64 {
     deck.card(&[Id(id)]);
     pairs.iter().for_each(|p| deck.card(&p.map(Number)));
     id
+}
+
+/// Returns a number whose product with `divisor` is exactly `product`.
+pub(super) fn exact_quotient(product: f64, divisor: f64) -> Option<f64> {
+    let nearest = product / divisor;
+    let near = [nearest, nearest.next_up(), nearest.next_down()];
+    near.into_iter().find(|x| divisor * x == product)
 }

@@ -22,11 +22,13 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             ("heading:l", Count(super::title)),
             ("pid:i! cid:i nsid:i pnode:i iprt:i drflag:i rrflag:i", Once),
+            ("cmo:r con1:r con2:r", Count(spc)),
         ],
-        "`[[rigid]]` body `body-PID` of the node set",
+        "`[[rigid]]` body `body-PID` of the node set. Card of _SPC: `fixed`, as of MAT_RIGID; only \
+         in global axes (cmo 1)",
     )
     .unused(&[no_effect("cid pnode iprt", "they are for output")])
-    .options(&["TITLE"])
+    .options(&["TITLE", "SPC"])
     .repeats(),
     Keyword::new(
         "CONSTRAINED_EXTRA_NODES_NODE",
@@ -41,9 +43,16 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "CONSTRAINED_RIGID_BODIES",
         &[("pidl:i! pidc:i! iflag:i", Rest)],
-        "joins two rigid parts to one body",
-    )
-    .unused(&[ignored("iflag", "the mass of the body is that of both parts")]),
+        "joins two rigid parts to one body. With a PART_INERTIA of pidl and iflag 0, this is the \
+         inertia of the whole body; iflag 1 is not supported for it",
+    ),
+    Keyword::new(
+        "CONSTRAINED_GLOBAL",
+        &[("tc:i! rc:i! dir:i! x:r y:r z:r tol:r", Rest)],
+        "`[[symmetry]]` in a plane through x, y, z, with its normal along the axis dir (1 to 3); \
+         tol is its tolerance. Only with the constraints of a plane of symmetry: tc fixes the \
+         displacement along the normal, rc the rotations about the other two axes",
+    ),
     Keyword::new(
         "CONSTRAINED_RIGID_BODY_STOPPERS",
         &[
@@ -143,6 +152,10 @@ pub const KEYWORDS: &[Keyword] = &[
         ignored("rwghtx rwghty rwghtz", "the rotation follows from the displacements alone"),
     ]),
 ];
+
+fn spc(record: &CardRecord) -> usize {
+    usize::from(record.has("SPC"))
+}
 
 /// Returns the number of parts that become rigid.
 fn to_rigid(record: &CardRecord) -> usize {

@@ -128,6 +128,8 @@ const BREAKING_ONLY: &str = "`[[tie]]` as by CONTACT_TIEBREAK_NODES_TO_SURFACE; 
 const BREAKING_STRESS: &str = "`[[tie]]` of the nodes of surfa that are on the faces of surfb at \
     the start, with a `failure` by the stresses nfls, sfls on the tied faces. When it fails, the \
     nodes are in contact with the parts of surfb. thkoff 1 keeps nodes at their positions";
+const BREAKING_STRESS_ONLY: &str = "`[[tie]]` as by CONTACT_TIEBREAK_SURFACE_TO_SURFACE; when it \
+    fails, no contact follows";
 const BREAKING_OPTION: &str = "`[[tie]]` with `offset` of the nodes of surfa that are on the faces \
     of surfb at the start. option 1 ties without failure, 2 and 3 fail by the stresses nfls, sfls, \
     6 and 8 with damage over the opening param; negative ones tie rotations too. When it fails, \
@@ -209,6 +211,8 @@ pub const KEYWORDS: &[Keyword] = &[
     breaking("CONTACT_TIEBREAK_NODES_TO_SURFACE", BY_FORCE, BREAKING),
     breaking("CONTACT_TIEBREAK_NODES_ONLY", BY_FORCE, BREAKING_ONLY),
     breaking("CONTACT_TIEBREAK_SURFACE_TO_SURFACE", BY_STRESS, BREAKING_STRESS)
+        .unused(UNUSED_BY_STRESS),
+    breaking("CONTACT_TIEBREAK_SURFACE_TO_SURFACE_ONLY", BY_STRESS, BREAKING_STRESS_ONLY)
         .unused(UNUSED_BY_STRESS),
     breaking("CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_TIEBREAK", BY_OPTION, BREAKING_OPTION)
         .unused(UNUSED_BY_OPTION),

@@ -19,8 +19,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[part]]`; its name is the heading, or `part-PID` without one. Card of _CONTACT: fs, fd, \
          dc and vc are the friction in contacts with fs -1 (for two parts the mean); optt and sft \
          are `contact_thickness` and its scale. Cards of _INERTIA: `mass` and `inertia` of the \
-         `[[rigid]]` body of the part alone, and its `[[initial_velocity]]`; the centre of mass is \
-         that of the elements",
+         `[[rigid]]` body that the part leads, its `centre` if that is not the one of its elements \
+         and its `[[initial_velocity]]`",
     )
     .unused(&[
         no_effect("grav", "it is for loads by density and depth"),
