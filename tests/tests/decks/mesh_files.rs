@@ -1,5 +1,6 @@
 //! Mesh files of other programs: formats, parts and sets, jobs that `crumple import` writes.
 
+use crate::base::{BASE, MOVES, STEEL};
 use crumple::input::job;
 use crumple::input::mesh_file::{Fate, ReadMesh, read};
 use crumple_proto::mesh::Shape;
@@ -185,6 +186,67 @@ fn a_wrong_extension_is_named() {
     }
     let problems = read(Path::new("/nowhere/a.msh"), false, None).err().unwrap();
     assert!(problems[0].message.contains("there is no file"), "{problems:?}");
+}
+
+/// A mesh file under the name of a deck is named, alone and as `mesh.deck`, and its lines are not
+/// read as cards. So is a deck under the name of a mesh file.
+#[test]
+fn mesh_files_and_decks_under_each_others_names_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let report = |path: &Path| match job::read(path, &[]) {
+        Ok(_) => panic!("{} is read", path.display()),
+        Err(report) => report.to_string(),
+    };
+    fs::write(at("job.toml"), "end_time = 1.0\n[mesh]\ndeck = \"deck.k\"\n").unwrap();
+    for (content, format) in [
+        ("broken/plate.inp", "Abaqus input"),
+        ("made/box-beam.inp", "Abaqus input"),
+        ("made/assembly.inp", "Abaqus input"),
+        ("third-party/meshio/element_elset.inp", "Abaqus input"),
+        ("broken/plate.bdf", "Nastran bulk data"),
+        ("third-party/meshio/cylinder.fem", "Nastran bulk data"),
+        ("broken/plate.msh", "Gmsh MSH"),
+        ("made/block22-binary.msh", "Gmsh MSH"),
+        ("broken/plate.stl", "STL"),
+        ("made/block-binary.stl", "STL"),
+        ("broken/plate.vtk", "VTK legacy"),
+        ("broken/plate.vtu", "VTK XML"),
+    ] {
+        fs::copy(meshes().join(content), at("deck.k")).unwrap();
+        for path in [at("deck.k"), at("job.toml")] {
+            let report = report(&path);
+            let wanted = format!("deck.k is a file of the format {format}, not a deck");
+            assert!(report.contains(&wanted) && report.contains("crumple import"), "{report}");
+            assert!(report.contains("1 error"), "{content}: {report}");
+        }
+    }
+    let keyword = format!("{BASE}{STEEL}{MOVES}*END\n");
+    let bare = keyword.replace("*KEYWORD\n", "");
+    for (text, name) in [
+        (&keyword, "deck.inp"),
+        (&bare, "deck.inp"),
+        (&keyword, "deck.bdf"),
+        (&bare, "deck.dat"),
+        (&keyword, "deck.msh"),
+    ] {
+        fs::write(at(name), text).unwrap();
+        let report = report(&at(name));
+        assert!(report.contains(&format!("{name} is an LS-DYNA keyword deck")), "{report}");
+        assert!(report.contains("ends in .k"), "{report}");
+        let problems = read(&at(name), false, None).err().unwrap();
+        assert!(problems[0].message.contains("of the format LS-DYNA keyword deck"), "{problems:?}");
+        assert!(problems[0].help.contains("mesh.deck"), "{problems:?}");
+        let job = format!("[mesh]\ndeck = \"{name}\"\n");
+        fs::write(at("named.toml"), job).unwrap();
+        let model = job::read(&at("named.toml"), &[]).unwrap_or_else(|report| panic!("{report}"));
+        assert_eq!(model.mesh.elements.len(), 3, "{name}");
+    }
+    let radioss = crate::radioss::with("") + "/END\n";
+    fs::write(at("starter.inp"), radioss).unwrap();
+    let report = report(&at("starter.inp"));
+    assert!(report.contains("is a Radioss starter file"), "{report}");
+    assert!(report.contains("ends in _0000.rad"), "{report}");
 }
 
 /// Elements that are not supported are an error with a cure; with `allowed` they are left out.

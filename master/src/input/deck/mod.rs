@@ -26,7 +26,7 @@ pub mod radioss;
 mod record;
 pub mod reference;
 mod roles;
-mod sniff;
+pub(super) mod sniff;
 mod submodel;
 mod table;
 mod text;
@@ -92,6 +92,23 @@ pub struct Deck {
     pub unsupported: Vec<String>,
 }
 
+impl Deck {
+    /// Creates that of a file that is no deck.
+    fn refused(trouble: Trouble) -> Self {
+        Deck {
+            tree: Node::table(Place::Whole),
+            mesh: Mesh::default(),
+            lists: ListLengths::default(),
+            files: Vec::new(),
+            places: Places::default(),
+            findings: trouble.into_findings(),
+            whole: false,
+            mapping: Vec::new(),
+            unsupported: Vec::new(),
+        }
+    }
+}
+
 /// Returns true if a file is a deck, from its name.
 pub fn is_deck(path: &Path) -> bool {
     let extension =
@@ -114,7 +131,8 @@ pub struct DeckChoice {
 pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
     let DeckChoice { leave_out, allow_unsupported, case } = choice;
     let mut trouble = Trouble::default();
-    let (mut texts, tree, mut built) = match sniff::format(path, &mut trouble) {
+    let Some(format) = sniff::format(path, &mut trouble) else { return Deck::refused(trouble) };
+    let (mut texts, tree, mut built) = match format {
         DeckFormat::LsDyna => {
             let mut texts = text::Texts::read(path, &mut trouble);
             let chosen = cases::select(&mut texts, *case, &mut trouble);

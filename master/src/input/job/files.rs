@@ -215,11 +215,18 @@ pub(super) fn job_file(path: &Path) -> Result<PathBuf, Problem> {
             Err(Problem::error("", format!("there is no file {shown}"), help))
         }
         "toml" | "k" | "key" | "dyn" | "rad" => Ok(path.to_path_buf()),
-        known if mesh_file::reads(known) => Err(Problem::error(
-            "",
-            format!("{shown} is a mesh file, not a job"),
-            "write a job for it: crumple import FILE --out FOLDER, then crumple run FOLDER",
-        )),
+        known if mesh_file::reads(known) => match deck::sniff::of_file(path) {
+            Some(format) => {
+                let (name, ending) = format.names();
+                let message = format!("{shown} is {name}, by its content");
+                Err(Problem::error("", message, format!("rename it so that it ends in {ending}")))
+            }
+            None => Err(Problem::error(
+                "",
+                format!("{shown} is a mesh file, not a job"),
+                "write a job for it: crumple import FILE --out FOLDER, then crumple run FOLDER",
+            )),
+        },
         _ => Err(Problem::error(
             "",
             format!("{shown} is not a .toml file"),

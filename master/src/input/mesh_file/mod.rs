@@ -26,6 +26,7 @@ mod vtk;
 pub use content::{FileMaterial, FileMesh, FilePart};
 pub use reading::{Fate, ImportRow, table};
 
+use crate::input::deck::sniff;
 use crate::input::{confine, deck, exodus};
 use content::FilePlace;
 use crumple_proto::problem::{Problem, Severity};
@@ -35,6 +36,9 @@ use std::path::{Path, PathBuf};
 
 /// Key of the job that names the file.
 const KEY: &str = "mesh.file";
+
+/// Name of the format of Abaqus.
+pub const ABAQUS: &str = "Abaqus input";
 
 /// A format of mesh files.
 pub struct MeshFormat {
@@ -60,6 +64,16 @@ enum FormatReader {
 }
 
 use FormatReader::{Bytes, Refused};
+
+impl MeshFormat {
+    /// Returns the cure for a file of a format that is not read.
+    pub fn refusal(&self) -> Option<&'static str> {
+        match self.reader {
+            Refused(cure) => Some(cure),
+            _ => None,
+        }
+    }
+}
 
 const fn refused(
     name: &'static str,
@@ -99,15 +113,14 @@ pub const FORMATS: &[MeshFormat] = &[
     refused(
         "LS-DYNA keyword deck",
         &["k", "key", "dyn"],
-        |head, _| has_line(head, |line| line.trim_end().eq_ignore_ascii_case("*keyword")),
-        "run it as it is (crumple run FILE), or name it by mesh.deck",
+        |head, _| sniff::is_ls_dyna(head),
+        "name it by mesh.deck of a job; or end its name in .k, and run it as it is: crumple run \
+         FILE.k",
     ),
     MeshFormat {
         name: "Radioss starter",
         extensions: &["rad"],
-        recognises: |head, _| {
-            has_line(head, |line| line.starts_with("#RADIOSS") || line.trim_end() == "/BEGIN")
-        },
+        recognises: |head, _| sniff::is_radioss(head),
         reader: FormatReader::Deck,
     },
     refused(
@@ -135,7 +148,7 @@ pub const FORMATS: &[MeshFormat] = &[
         "convert it, for example by Gmsh: gmsh FILE.unv -save -o FILE.msh",
     ),
     MeshFormat {
-        name: "Abaqus input",
+        name: ABAQUS,
         extensions: &["inp"],
         recognises: abaqus::recognises,
         reader: Bytes(abaqus::read),
