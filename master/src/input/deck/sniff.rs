@@ -127,7 +127,7 @@ fn has_parameters(head: &[u8]) -> bool {
 fn is_other(path: &Path, (head, length): (&[u8], usize), trouble: &mut Trouble) -> bool {
     let shown = path.display();
     let Some(format) = mesh_file::format_of(head, length) else { return false };
-    // Keywords that both have, such as *NODE, do not tell a deck from an Abaqus file.
+    // Keywords that both have, such as *NODE, are no sign of Abaqus.
     if format.name == mesh_file::ABAQUS && !has_parameters(head) {
         return false;
     }
@@ -160,7 +160,7 @@ mod tests {
     /// A deck without `*KEYWORD` has keywords with `_`; an Abaqus file has none, also if its names
     /// have some.
     #[test]
-    fn keywords_tell_ls_dyna_from_abaqus() {
+    fn keywords_show_which_of_both_it_is() {
         assert!(is_ls_dyna(b"*KEYWORD\r\n*NODE\r\n"));
         assert!(is_ls_dyna(b"*keyword memory=20m\n*NODE\n"));
         assert!(is_ls_dyna(b"a title\n*NODE\n1,0,0,0\n*ELEMENT_SHELL\n"));

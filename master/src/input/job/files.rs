@@ -132,6 +132,14 @@ fn read_foreign_mesh(
             sources.mesh_rows = read.rows;
             sources.mesh_files = read.files;
             read.warnings.into_iter().for_each(|warning| findings.add(warning));
+            if read.deck.is_some() {
+                let message = format!(
+                    "{}: materials, properties, loads and interfaces of the deck are not read",
+                    file.display()
+                );
+                let help = "name the file by mesh.deck instead, and they are those of the job";
+                findings.add(Problem::warning("mesh.file", message, help));
+            }
             Some(read.mesh.to_mesh())
         }
         Err(problems) => {
