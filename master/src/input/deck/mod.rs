@@ -184,7 +184,7 @@ pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
 
 /// Fates of the content of a deck.
 #[derive(Debug)]
-pub struct DeckTable {
+pub struct DeckFates {
     /// Its keywords, after its mesh.
     pub rows: Vec<ImportRow>,
     /// Requests and the settings used for them.
@@ -204,7 +204,7 @@ pub struct DeckMesh {
     /// Its files.
     pub files: Vec<PathBuf>,
     /// Fates of its content.
-    pub table: DeckTable,
+    pub table: DeckFates,
 }
 
 /// Reads the mesh of a deck.
@@ -236,7 +236,7 @@ pub fn mesh_of(path: &Path, choice: &DeckChoice) -> Result<DeckMesh, Vec<Problem
     let parts = parts.into_iter().flatten().filter_map(part).collect();
     let files = deck.files.iter().map(|text| text.path.clone()).collect();
     let Deck { mesh, mapping, unsupported, keywords: rows, .. } = deck;
-    Ok(DeckMesh { mesh, parts, files, table: DeckTable { rows, mapping, unsupported, warnings } })
+    Ok(DeckMesh { mesh, parts, files, table: DeckFates { rows, mapping, unsupported, warnings } })
 }
 
 /// Reports all unsupported content, once for each kind, and returns the list for the summary.

@@ -26,7 +26,7 @@ mod vtk;
 pub use content::{FileMaterial, FileMesh, FilePart};
 pub use reading::{Fate, ImportRow, table};
 
-use crate::input::deck::{DeckTable, sniff};
+use crate::input::deck::{DeckFates, sniff};
 use crate::input::{confine, deck, exodus};
 use content::FilePlace;
 use crumple_proto::problem::{Problem, Severity};
@@ -194,7 +194,7 @@ pub struct ReadMesh {
     /// The file, and those that it includes.
     pub files: Vec<PathBuf>,
     /// For a deck: what becomes of its content in a job that names it by `mesh.deck`.
-    pub deck: Option<DeckTable>,
+    pub deck: Option<DeckFates>,
 }
 
 /// Returns the format of a file by its begin and its length [byte]; `None` if none fits.
@@ -307,7 +307,7 @@ fn read_deck(
     reading: &mut MeshReading,
     path: &Path,
     case: Option<u64>,
-) -> Result<DeckTable, Vec<Problem>> {
+) -> Result<DeckFates, Vec<Problem>> {
     let allow_unsupported = reading.allowed;
     let choice = deck::DeckChoice { allow_unsupported, case, ..deck::DeckChoice::default() };
     let found = deck::mesh_of(path, &choice)?;
