@@ -13,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     FOLDER.with_borrow(|folder| {
         let path = folder.path().join("mesh");
         std::fs::write(&path, bytes).expect("a file in it");
-        if let Ok(read) = crumple::input::mesh_file::read(&path, true) {
+        if let Ok(read) = crumple::input::mesh_file::read(&path, true, None) {
             let _ = read.mesh.to_mesh();
         }
     });

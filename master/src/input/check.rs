@@ -1,5 +1,6 @@
 //! Description of a job that `crumple check` prints.
 
+use crate::input::deck::Mapping;
 use crate::input::job::Model;
 use crate::input::job::subcycles::{self, SubcycleClasses};
 use crate::input::mesh_file;
@@ -165,19 +166,24 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
     writeln!(out)
 }
 
-/// Returns the mapping of a deck: requests and settings used. Requests with the same result share
-/// a line.
+/// Returns the mapping of the deck of a job.
 pub fn mapping(model: &Model) -> String {
+    // The content of a mesh file is in its own table.
+    let unsupported =
+        if model.mesh_rows().is_empty() { &model.unsupported[..] } else { Default::default() };
+    mapping_of(&model.mapping, unsupported)
+}
+
+/// Returns the mapping of a deck: requests and settings used, content left out. Requests with the
+/// same result share a line.
+pub fn mapping_of(mapping: &[Mapping], unsupported: &[String]) -> String {
     let mut rows: Vec<(String, &str, &str)> = Vec::new();
-    for entry in &model.mapping {
+    for entry in mapping {
         match rows.iter_mut().find(|r| r.1 == entry.asked && r.2 == entry.used) {
             Some(row) => row.0 += &format!(", {}", entry.of),
             None => rows.push((entry.of.clone(), &entry.asked, &entry.used)),
         }
     }
-    // The content of a mesh file is in its own table.
-    let unsupported =
-        if model.mesh_rows().is_empty() { &model.unsupported[..] } else { Default::default() };
     if rows.is_empty() && unsupported.is_empty() {
         return String::new();
     }

@@ -16,6 +16,7 @@ mod damage;
 mod discrete_beams;
 mod exported;
 mod fates;
+mod field_meshes;
 mod formats;
 mod honeycomb;
 mod joints;

@@ -460,6 +460,18 @@ fn the_duration_of_an_abaqus_analysis_is_the_end_time() {
     let job = fs::read_to_string(out.join("job.toml")).unwrap();
     assert!(job.contains("end_time = 0.004") && !job.contains("\"end_time\""), "{job}");
 
+    // A file with everything leaves no placeholder, and nothing speaks of one.
+    let shell = text_of("third-party/meshioplusplus/s4.inp");
+    let whole = changed(&shell, "*STATIC", "*DYNAMIC, EXPLICIT\n, 0.002");
+    fs::write(&source, whole).unwrap();
+    let to = folder.path().join("whole");
+    let words = ["import", &file, "--out", to.to_str().unwrap()];
+    let said = run(crumple_with(&words)).with_code(0).said();
+    let job = fs::read_to_string(to.join("job.toml")).unwrap();
+    assert!(said.contains("\nnext         crumple check"), "{said}");
+    assert!(!said.contains("placeholder") && !job.contains("placeholder"), "{said}{job}");
+    run(crumple_with(&["check", to.to_str().unwrap()])).with_code(0);
+
     let said = run(crumple_with(&["import", &inside])).with_code(2).said();
     assert!(said.contains("is a folder"), "{said}");
     let said = run(crumple_with(&["run", &file])).with_code(2).said();

@@ -1,5 +1,6 @@
 //! Mesh files of other programs: formats, parts and sets, jobs that `crumple import` writes.
 
+use crate::base::{BASE, MOVES, STEEL};
 use crumple::input::job;
 use crumple::input::mesh_file::{Fate, ReadMesh, read};
 use crumple_proto::mesh::Shape;
@@ -51,6 +52,13 @@ fn files_of_other_projects_are_read() {
         ("numpy-stl/dos.stl", 60, 116, 1),
         ("numpy-stl/Star.stl", 36, 68, 1),
         ("numpy-stl/Star-binary.stl", 36, 68, 1),
+        ("meshioplusplus/column_0000.rad", 12, 2, 1),
+        ("meshioplusplus/gmsh_tet10_0000.rad", 106, 43, 1),
+        ("meshioplusplus/s4.inp", 4, 1, 1),
+        ("meshioplusplus/mixed.inp", 10, 2, 2),
+        ("meshioplusplus/cantilever_static.inp", 117, 48, 1),
+        ("sim-plugin-abaqus/abaqus_e2e_cantilever.inp", 10, 4, 1),
+        ("pynastran/solid_bending.bdf", 72, 186, 1),
     ] {
         let found = content(&format!("third-party/{file}"));
         assert_eq!((found.0, found.1, found.2), (nodes, elements, parts), "{file}");
@@ -59,6 +67,7 @@ fn files_of_other_projects_are_read() {
         ("meshio/02_structured.vtk", "the data set is a STRUCTURED_GRID"),
         ("meshio/cylinder.fem", "18 elements of type pyramid with 5 nodes"),
         ("vtkio/hexahedron_lz4.vtu", "data are compressed by vtkLZ4DataCompressor"),
+        ("meshioplusplus/old_0000.rad", "the deck has the version 44 of the format"),
     ] {
         let problems = read(&meshes().join("third-party").join(file), false, None).err().unwrap();
         assert!(problems.iter().any(|p| p.message.contains(wanted)), "{file}: {problems:?}");
@@ -70,6 +79,63 @@ fn files_of_other_projects_are_read() {
     let count = |shape| found.elements.iter().filter(|e| e.shape == shape).count();
     let counts = [Shape::Quad4, Shape::Tri3, Shape::Tet4].map(count);
     assert_eq!((found.nodes.len(), counts), (33, [18, 4, 63]));
+}
+
+/// Sets, sections and materials of files of other projects have the values in these files: an S4
+/// with a density, a hexahedron and a wedge, a cantilever of solids, a plane one, a solid that
+/// MSC.Patran wrote.
+#[test]
+fn materials_and_sets_of_other_projects_are_read() {
+    let size = |read: &ReadMesh, set: &str| read.mesh.node_sets[set].len();
+    let steel = |read: &ReadMesh| {
+        let found = &read.mesh.materials[0];
+        (found.name.clone(), found.density, found.youngs_modulus, found.poisson)
+    };
+    let shell = good("third-party/meshioplusplus/s4.inp");
+    assert_eq!(shell.mesh.parts[0].thickness, Some(0.1));
+    assert_eq!(steel(&shell), ("M".into(), Some(7.8e-9), Some(210e3), Some(0.3)));
+    assert_eq!(shell.mesh.node_sets["FIX"], [1, 4]);
+    let mixed = good("third-party/meshioplusplus/mixed.inp");
+    let corners: Vec<_> = mixed.mesh.elements.iter().map(|e| &e.corners[..]).collect();
+    assert_eq!(corners, [&[1, 2, 3, 4, 5, 6, 7, 8][..], &[2, 9, 3, 6, 10, 7]]);
+    let parts: Vec<_> = mixed.mesh.parts.iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(parts, ["HEX", "WED"]);
+    assert_eq!(steel(&mixed), ("M".into(), None, Some(210e3), Some(0.3)));
+    let beam = good("third-party/meshioplusplus/cantilever_static.inp");
+    assert_eq!((size(&beam, "FIX"), size(&beam, "TIP"), size(&beam, "E")), (9, 9, 117));
+    assert_eq!(steel(&beam), ("STEEL".into(), Some(7.8e-9), Some(210e3), Some(0.3)));
+    let plane = good("third-party/sim-plugin-abaqus/abaqus_e2e_cantilever.inp");
+    assert_eq!(plane.mesh.elements[3].corners, [4, 5, 6, 7]);
+    assert_eq!((&plane.mesh.node_sets["TIP"][..], size(&plane, "FIXED")), (&[5][..], 2));
+    assert_eq!(steel(&plane), ("STEEL".into(), None, Some(200e9), Some(0.3)));
+    assert_eq!(plane.mesh.parts[0].thickness, Some(1.0));
+    let solid = good("third-party/pynastran/solid_bending.bdf");
+    assert_eq!(solid.mesh.nodes[7].x, [0.499951, 0.73106, 1.49985]);
+    assert_eq!(solid.mesh.elements[0].corners, [8, 13, 67, 33]);
+    assert_eq!((size(&solid, "spc_1"), size(&solid, "spc_3")), (13, 72));
+    assert_eq!(steel(&solid), ("mat_1".into(), Some(1.0), Some(3e7), Some(0.3)));
+}
+
+/// A deck of another project that Radioss itself has run: its materials, supports, velocity and
+/// end are those of its two files, and it runs.
+#[test]
+fn a_radioss_deck_of_another_project_runs() {
+    let path = meshes().join("third-party/meshioplusplus/column_0000.rad");
+    let model = job::read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    let law = &model.job.material[0].parameters;
+    assert_eq!((model.job.material[0].name.as_str(), model.job.end_time), ("steel", 0.004));
+    for (key, value) in [("youngs_modulus", 210.0), ("poisson", 0.3)] {
+        assert_eq!(law[key], value.into(), "{key}");
+    }
+    assert_eq!(model.job.material[0].density, 7.8e-6);
+    let set = |name: &str| model.mesh.node_sets[name].iter().map(|id| id.0).collect::<Vec<_>>();
+    assert_eq!((set("bottom"), set("top")), (vec![1, 2, 3, 4], vec![9, 10, 11, 12]));
+    assert_eq!(model.job.initial_velocity[0].velocity, [0.0, 0.0, -1.0]);
+    assert_eq!((model.job.fix.len(), model.job.part[0].name.as_str()), (1, "column"));
+    let out = tempfile::tempdir().unwrap();
+    let words = ["run", path.to_str().unwrap(), "--no-report", "--out"];
+    let ended = run(crumple_with(&[&words[..], &[out.path().to_str().unwrap()]].concat()));
+    assert!(ended.with_code(0).said().contains("state_digest"));
 }
 
 /// The same mesh in all forms that Gmsh writes: a block of solids, a plate, and the top of the
@@ -185,6 +251,67 @@ fn a_wrong_extension_is_named() {
     }
     let problems = read(Path::new("/nowhere/a.msh"), false, None).err().unwrap();
     assert!(problems[0].message.contains("there is no file"), "{problems:?}");
+}
+
+/// A mesh file under the name of a deck is named, alone and as `mesh.deck`, and its lines are not
+/// read as cards. So is a deck under the name of a mesh file.
+#[test]
+fn mesh_files_and_decks_under_each_others_names_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let report = |path: &Path| match job::read(path, &[]) {
+        Ok(_) => panic!("{} is read", path.display()),
+        Err(report) => report.to_string(),
+    };
+    fs::write(at("job.toml"), "end_time = 1.0\n[mesh]\ndeck = \"deck.k\"\n").unwrap();
+    for (content, format) in [
+        ("broken/plate.inp", "Abaqus input"),
+        ("made/box-beam.inp", "Abaqus input"),
+        ("made/assembly.inp", "Abaqus input"),
+        ("third-party/meshio/element_elset.inp", "Abaqus input"),
+        ("broken/plate.bdf", "Nastran bulk data"),
+        ("third-party/meshio/cylinder.fem", "Nastran bulk data"),
+        ("broken/plate.msh", "Gmsh MSH"),
+        ("made/block22-binary.msh", "Gmsh MSH"),
+        ("broken/plate.stl", "STL"),
+        ("made/block-binary.stl", "STL"),
+        ("broken/plate.vtk", "VTK legacy"),
+        ("broken/plate.vtu", "VTK XML"),
+    ] {
+        fs::copy(meshes().join(content), at("deck.k")).unwrap();
+        for path in [at("deck.k"), at("job.toml")] {
+            let report = report(&path);
+            let wanted = format!("deck.k is a file of the format {format}, not a deck");
+            assert!(report.contains(&wanted) && report.contains("crumple import"), "{report}");
+            assert!(report.contains("1 error"), "{content}: {report}");
+        }
+    }
+    let keyword = format!("{BASE}{STEEL}{MOVES}*END\n");
+    let bare = keyword.replace("*KEYWORD\n", "");
+    for (text, name) in [
+        (&keyword, "deck.inp"),
+        (&bare, "deck.inp"),
+        (&keyword, "deck.bdf"),
+        (&bare, "deck.dat"),
+        (&keyword, "deck.msh"),
+    ] {
+        fs::write(at(name), text).unwrap();
+        let report = report(&at(name));
+        assert!(report.contains(&format!("{name} is an LS-DYNA keyword deck")), "{report}");
+        assert!(report.contains("ends in .k"), "{report}");
+        let problems = read(&at(name), false, None).err().unwrap();
+        assert!(problems[0].message.contains("of the format LS-DYNA keyword deck"), "{problems:?}");
+        assert!(problems[0].help.contains("mesh.deck"), "{problems:?}");
+        let job = format!("[mesh]\ndeck = \"{name}\"\n");
+        fs::write(at("named.toml"), job).unwrap();
+        let model = job::read(&at("named.toml"), &[]).unwrap_or_else(|report| panic!("{report}"));
+        assert_eq!(model.mesh.elements.len(), 3, "{name}");
+    }
+    let radioss = crate::radioss::with("") + "/END\n";
+    fs::write(at("starter.inp"), radioss).unwrap();
+    let report = report(&at("starter.inp"));
+    assert!(report.contains("is a Radioss starter file"), "{report}");
+    assert!(report.contains("ends in _0000.rad"), "{report}");
 }
 
 /// Elements that are not supported are an error with a cure; with `allowed` they are left out.

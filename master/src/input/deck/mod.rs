@@ -26,7 +26,7 @@ pub mod radioss;
 mod record;
 pub mod reference;
 mod roles;
-mod sniff;
+pub(super) mod sniff;
 mod submodel;
 mod table;
 mod text;
@@ -38,6 +38,7 @@ pub use text::Text;
 
 use crate::input::job::report::{PlacedProblem, deck_path, deck_place};
 use crate::input::job::tree::{Node, Place};
+use crate::input::mesh_file::ImportRow;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::{Problem, Severity};
 use diagnostics::Trouble;
@@ -90,6 +91,26 @@ pub struct Deck {
     pub mapping: Vec<Mapping>,
     /// Ignored content, with file and line; empty unless that is allowed.
     pub unsupported: Vec<String>,
+    /// Keywords of a Radioss deck with their fates; empty for LS-DYNA.
+    pub keywords: Vec<ImportRow>,
+}
+
+impl Deck {
+    /// Creates that of a file that is no deck.
+    fn refused(trouble: Trouble) -> Self {
+        Deck {
+            tree: Node::table(Place::Whole),
+            mesh: Mesh::default(),
+            lists: ListLengths::default(),
+            files: Vec::new(),
+            places: Places::default(),
+            findings: trouble.into_findings(),
+            whole: false,
+            mapping: Vec::new(),
+            unsupported: Vec::new(),
+            keywords: Vec::new(),
+        }
+    }
 }
 
 /// Returns true if a file is a deck, from its name.
@@ -114,7 +135,9 @@ pub struct DeckChoice {
 pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
     let DeckChoice { leave_out, allow_unsupported, case } = choice;
     let mut trouble = Trouble::default();
-    let (mut texts, tree, mut built) = match sniff::format(path, &mut trouble) {
+    let Some(format) = sniff::format(path, &mut trouble) else { return Deck::refused(trouble) };
+    let mut keywords = Vec::new();
+    let (mut texts, tree, mut built) = match format {
         DeckFormat::LsDyna => {
             let mut texts = text::Texts::read(path, &mut trouble);
             let chosen = cases::select(&mut texts, *case, &mut trouble);
@@ -125,6 +148,7 @@ pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
         DeckFormat::Radioss => {
             cases::report_none(*case, &mut trouble);
             let texts = radioss::text::read(path, &mut trouble);
+            keywords = radioss::fates(&texts);
             let (tree, built) = convert::radioss::build(&texts, leave_out, trouble);
             (texts, tree, built)
         }
@@ -154,7 +178,21 @@ pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
         whole: whole_cards,
         mapping: built.mapping,
         unsupported,
+        keywords,
     }
+}
+
+/// Fates of the content of a deck.
+#[derive(Debug)]
+pub struct DeckFates {
+    /// Its keywords, after its mesh.
+    pub rows: Vec<ImportRow>,
+    /// Requests and the settings used for them.
+    pub mapping: Vec<Mapping>,
+    /// Ignored content, with file and line.
+    pub unsupported: Vec<String>,
+    /// Warnings, with file and line in their texts.
+    pub warnings: Vec<Problem>,
 }
 
 /// The mesh of a deck, for a job that has everything else.
@@ -165,6 +203,8 @@ pub struct DeckMesh {
     pub parts: Vec<(u32, String)>,
     /// Its files.
     pub files: Vec<PathBuf>,
+    /// Fates of its content.
+    pub table: DeckFates,
 }
 
 /// Reads the mesh of a deck.
@@ -173,20 +213,17 @@ pub struct DeckMesh {
 /// All problems of the deck, with file and line in their texts.
 pub fn mesh_of(path: &Path, choice: &DeckChoice) -> Result<DeckMesh, Vec<Problem>> {
     let deck = read(path, choice);
-    let errors: Vec<Problem> = deck
-        .findings
-        .iter()
-        .filter(|found| found.problem.severity == Severity::Error)
-        .map(|found| {
-            let place = deck_place(&found.problem.path).map(|place| at(place, &deck.files));
-            let place = place.unwrap_or_default();
-            let message = match place.is_empty() {
-                true => found.problem.message.clone(),
-                false => format!("{place}: {}", found.problem.message),
-            };
-            Problem::error("mesh.file", message, found.problem.help.clone())
-        })
-        .collect();
+    let found = deck.findings.iter().map(|found| {
+        let place = deck_place(&found.problem.path).map(|place| at(place, &deck.files));
+        let place = place.unwrap_or_default();
+        let message = match place.is_empty() {
+            true => found.problem.message.clone(),
+            false => format!("{place}: {}", found.problem.message),
+        };
+        Problem { path: "mesh.file".into(), message, ..found.problem.clone() }
+    });
+    let (errors, warnings): (Vec<_>, Vec<_>) =
+        found.partition(|problem| problem.severity == Severity::Error);
     if !errors.is_empty() {
         return Err(errors);
     }
@@ -198,7 +235,8 @@ pub fn mesh_of(path: &Path, choice: &DeckChoice) -> Result<DeckMesh, Vec<Problem
     let parts = tree.get("part").and_then(toml::Value::as_array);
     let parts = parts.into_iter().flatten().filter_map(part).collect();
     let files = deck.files.iter().map(|text| text.path.clone()).collect();
-    Ok(DeckMesh { mesh: deck.mesh, parts, files })
+    let Deck { mesh, mapping, unsupported, keywords: rows, .. } = deck;
+    Ok(DeckMesh { mesh, parts, files, table: DeckFates { rows, mapping, unsupported, warnings } })
 }
 
 /// Reports all unsupported content, once for each kind, and returns the list for the summary.

@@ -132,6 +132,14 @@ fn read_foreign_mesh(
             sources.mesh_rows = read.rows;
             sources.mesh_files = read.files;
             read.warnings.into_iter().for_each(|warning| findings.add(warning));
+            if read.deck.is_some() {
+                let message = format!(
+                    "{}: materials, properties, loads and interfaces of the deck are not read",
+                    file.display()
+                );
+                let help = "name the file by mesh.deck instead, and they are those of the job";
+                findings.add(Problem::warning("mesh.file", message, help));
+            }
             Some(read.mesh.to_mesh())
         }
         Err(problems) => {
@@ -215,11 +223,18 @@ pub(super) fn job_file(path: &Path) -> Result<PathBuf, Problem> {
             Err(Problem::error("", format!("there is no file {shown}"), help))
         }
         "toml" | "k" | "key" | "dyn" | "rad" => Ok(path.to_path_buf()),
-        known if mesh_file::reads(known) => Err(Problem::error(
-            "",
-            format!("{shown} is a mesh file, not a job"),
-            "write a job for it: crumple import FILE --out FOLDER, then crumple run FOLDER",
-        )),
+        known if mesh_file::reads(known) => match deck::sniff::of_file(path) {
+            Some(format) => {
+                let (name, ending) = format.names();
+                let message = format!("{shown} is {name}, by its content");
+                Err(Problem::error("", message, format!("rename it so that it ends in {ending}")))
+            }
+            None => Err(Problem::error(
+                "",
+                format!("{shown} is a mesh file, not a job"),
+                "write a job for it: crumple import FILE --out FOLDER, then crumple run FOLDER",
+            )),
+        },
         _ => Err(Problem::error(
             "",
             format!("{shown} is not a .toml file"),

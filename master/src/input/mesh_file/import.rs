@@ -5,6 +5,7 @@ mod job_text;
 use super::reading::table;
 use super::{KEY, ReadMesh, read};
 use crate::cli::ImportArgs;
+use crate::input::check;
 use crate::input::job::{Located, Report};
 use crate::stdout;
 use crumple_proto::problem::Problem;
@@ -54,18 +55,27 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
         vec![Problem::error(KEY, message, "name another folder with --out")]
     })?;
     let mut said = format!("file         {}: {}\n\n", file.display(), read.format.name);
-    said += &table(&read.rows);
-    for warning in &read.warnings {
+    let of_deck = read.deck.as_ref();
+    said += &table(of_deck.map_or(&read.rows, |deck| &deck.rows));
+    if let Some(deck) = of_deck {
+        said += &check::mapping_of(&deck.mapping, &deck.unsupported);
+    }
+    let warnings = of_deck.map_or(&[][..], |deck| &deck.warnings[..]);
+    for warning in read.warnings.iter().chain(warnings) {
         let _ = write!(said, "\n{}", Located { problem: warning.clone(), spot: None });
     }
     let _ = writeln!(said, "\njob          {}", job.display());
     if !text.units.is_empty() {
         let _ = writeln!(said, "units        {}", text.units);
     }
+    let first = match text.placeholders.is_empty() {
+        true => "",
+        false => "set the placeholders; ",
+    };
     if !text.placeholders.is_empty() {
         let _ = writeln!(said, "placeholders {}", text.placeholders.join(", "));
     }
-    let _ = writeln!(said, "next         set the placeholders; crumple check {}", folder.display());
+    let _ = writeln!(said, "next         {first}crumple check {}", folder.display());
     Ok(said)
 }
 

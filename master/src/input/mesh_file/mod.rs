@@ -26,6 +26,7 @@ mod vtk;
 pub use content::{FileMaterial, FileMesh, FilePart};
 pub use reading::{Fate, ImportRow, table};
 
+use crate::input::deck::{DeckFates, sniff};
 use crate::input::{confine, deck, exodus};
 use content::FilePlace;
 use crumple_proto::problem::{Problem, Severity};
@@ -35,6 +36,9 @@ use std::path::{Path, PathBuf};
 
 /// Key of the job that names the file.
 const KEY: &str = "mesh.file";
+
+/// Name of the format of Abaqus.
+pub const ABAQUS: &str = "Abaqus input";
 
 /// A format of mesh files.
 pub struct MeshFormat {
@@ -61,6 +65,16 @@ enum FormatReader {
 
 use FormatReader::{Bytes, Refused};
 
+impl MeshFormat {
+    /// Returns the cure for a file of a format that is not read.
+    pub fn refusal(&self) -> Option<&'static str> {
+        match self.reader {
+            Refused(cure) => Some(cure),
+            _ => None,
+        }
+    }
+}
+
 const fn refused(
     name: &'static str,
     extensions: &'static [&'static str],
@@ -80,7 +94,7 @@ pub const FORMATS: &[MeshFormat] = &[
     },
     MeshFormat {
         name: "VTK XML",
-        extensions: &["vtu", "vtp"],
+        extensions: &["vtu", "vtp", "pvtu", "pvtp"],
         recognises: |head, _| has_line(head, |line| line.contains("<VTKFile")),
         reader: Bytes(vtk::read_xml),
     },
@@ -99,15 +113,14 @@ pub const FORMATS: &[MeshFormat] = &[
     refused(
         "LS-DYNA keyword deck",
         &["k", "key", "dyn"],
-        |head, _| has_line(head, |line| line.trim_end().eq_ignore_ascii_case("*keyword")),
-        "run it as it is (crumple run FILE), or name it by mesh.deck",
+        |head, _| sniff::is_ls_dyna(head),
+        "name it by mesh.deck of a job; or end its name in .k, and run it as it is: crumple run \
+         FILE.k",
     ),
     MeshFormat {
         name: "Radioss starter",
         extensions: &["rad"],
-        recognises: |head, _| {
-            has_line(head, |line| line.starts_with("#RADIOSS") || line.trim_end() == "/BEGIN")
-        },
+        recognises: |head, _| sniff::is_radioss(head),
         reader: FormatReader::Deck,
     },
     refused(
@@ -135,7 +148,7 @@ pub const FORMATS: &[MeshFormat] = &[
         "convert it, for example by Gmsh: gmsh FILE.unv -save -o FILE.msh",
     ),
     MeshFormat {
-        name: "Abaqus input",
+        name: ABAQUS,
         extensions: &["inp"],
         recognises: abaqus::recognises,
         reader: Bytes(abaqus::read),
@@ -180,6 +193,8 @@ pub struct ReadMesh {
     pub warnings: Vec<Problem>,
     /// The file, and those that it includes.
     pub files: Vec<PathBuf>,
+    /// For a deck: what becomes of its content in a job that names it by `mesh.deck`.
+    pub deck: Option<DeckFates>,
 }
 
 /// Returns the format of a file by its begin and its length [byte]; `None` if none fits.
@@ -258,6 +273,7 @@ pub fn read(path: &Path, allowed: bool, case: Option<u64>) -> Result<ReadMesh, V
     if let Some(case) = case.filter(|_| !matches!(format.reader, FormatReader::Deck | Refused(_))) {
         return Err(vec![without_cases(case)]);
     }
+    let mut deck = None;
     match format.reader {
         Bytes(reader) => reader(&mut reading, &bytes),
         FormatReader::Exodus => match exodus::read(path) {
@@ -269,7 +285,7 @@ pub fn read(path: &Path, allowed: bool, case: Option<u64>) -> Result<ReadMesh, V
                     .collect());
             }
         },
-        FormatReader::Deck => read_deck(&mut reading, path, case)?,
+        FormatReader::Deck => deck = Some(read_deck(&mut reading, path, case)?),
         Refused(cure) => {
             let message = format!("{shown} is a file of the format {}", format.name);
             return Err(one(message, cure));
@@ -283,15 +299,15 @@ pub fn read(path: &Path, allowed: bool, case: Option<u64>) -> Result<ReadMesh, V
     let files = std::mem::take(&mut reading.files);
     let warnings = reading.into_problems();
     debug_assert!(warnings.iter().all(|w| w.severity == Severity::Warning));
-    Ok(ReadMesh { format, mesh, rows, warnings, files })
+    Ok(ReadMesh { format, mesh, rows, warnings, files, deck })
 }
 
-/// Reads the mesh of a deck: nodes, elements and groups of nodes.
+/// Reads the mesh of a deck: nodes, elements and groups of nodes. Returns what became of the deck.
 fn read_deck(
     reading: &mut MeshReading,
     path: &Path,
     case: Option<u64>,
-) -> Result<(), Vec<Problem>> {
+) -> Result<DeckFates, Vec<Problem>> {
     let allow_unsupported = reading.allowed;
     let choice = deck::DeckChoice { allow_unsupported, case, ..deck::DeckChoice::default() };
     let found = deck::mesh_of(path, &choice)?;
@@ -301,10 +317,9 @@ fn read_deck(
         reading.mesh.parts[part].name = name;
     }
     reading.files = found.files;
-    let help = "name the file by mesh.deck instead, and they are those of the job";
-    let message = "materials, properties, loads and interfaces of the deck are not read";
-    reading.warning(FilePlace::default(), message, help);
-    Ok(())
+    let mut table = found.table;
+    table.rows.splice(0..0, reading.summary());
+    Ok(table)
 }
 
 /// Warns if the extension of a file is that of another format.

@@ -267,7 +267,8 @@ impl MeshReading {
         if lost > 0 {
             self.row(Fate::Ignored, "nodes in no element", lost, "left out");
         }
-        self.summarise();
+        let rows = self.summary();
+        self.rows.splice(0..0, rows);
     }
 
     /// Removes parts without elements.
@@ -292,8 +293,8 @@ impl MeshReading {
         }
     }
 
-    /// Adds the rows of nodes, shapes, node sets and materials, before all others.
-    fn summarise(&mut self) {
+    /// Returns the rows of nodes, shapes, node sets and materials.
+    pub fn summary(&self) -> Vec<ImportRow> {
         let mut rows = Vec::new();
         let mut read = |what: String, count: usize, became: String| {
             if count > 0 {
@@ -321,8 +322,7 @@ impl MeshReading {
             let became = format!("[[material]] `{}`, law {law}", material.name);
             read(format!("material {}", material.name), 1, became);
         }
-        rows.append(&mut self.rows);
-        self.rows = rows;
+        rows
     }
 
     fn check_nodes(&mut self) {

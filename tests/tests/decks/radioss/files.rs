@@ -81,16 +81,66 @@ fn a_deck_is_a_mesh_file_and_can_be_imported() {
     let names: Vec<&str> = found.mesh.parts.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["plate", "cube"]);
     assert_eq!(found.mesh.node_sets["rim"], [11, 14]);
-    assert!(found.warnings.iter().any(|w| w.help.contains("mesh.deck")), "{:?}", found.warnings);
+    let job = folder.path().join("job.toml");
+    let parts = "[[part]]\nid = 1\nmaterial = \"m\"\nthickness = 1.0\n[[part]]\nid = 2\n\
+                 material = \"m\"\n";
+    let text = "end_time = 1.0\n[mesh]\nfile = \"plate_0000.rad\"\n[[material]]\nname = \"m\"\n\
+                law = \"elastic\"\ndensity = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n";
+    fs::write(&job, format!("{text}{parts}")).unwrap();
+    let warnings = read_at(&job, &[]).unwrap().warnings;
+    assert!(warnings.iter().any(|w| w.help.contains("mesh.deck")), "{warnings:?}");
     let broken = folder.path().join("broken_0000.rad");
     fs::write(&broken, "/BEGIN\nx\n      2022         0\n/NODE\n        1x\n").unwrap();
     let problems = mesh_file::read(&broken, false, None).err().unwrap();
     assert!(problems[0].message.contains("broken_0000.rad:5: /NODE: `nid`"), "{problems:?}");
     let out = folder.path().join("imported");
     let args = ["import", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
-    run(crumple_with(&args)).with_code(0);
+    let said = run(crumple_with(&args)).with_code(0).said();
+    // The table has the mesh and all keywords, and nothing that the job does not have.
+    let columns = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    for row in [
+        "nodes 14 read nodes",
+        "quads 2 read part 1 (plate)",
+        "nodes of rim 2 read node set `rim`",
+        "/MAT/LAW1 1 read law `elastic`",
+        "/PROP/TYPE1 1 read shells. Ishell 24",
+        "/INIVEL/TRA 1 read `[[initial_velocity]]`",
+        "/PART 2 read `[[part]]`",
+        "deck asked -> used",
+        "part 2: solids, Isolid 24 -> hexahedron; hourglass assumed_strain",
+    ] {
+        assert!(columns.contains(row), "{row} is not in {said}");
+    }
+    for wrong in ["are not read", "placeholder", "node set `plate`"] {
+        assert!(!said.contains(wrong), "{wrong} is in {said}");
+    }
+    assert!(said.contains("\nnext         crumple check "), "{said}");
     let imported = read_at(Path::new(&out), &[]).unwrap();
     assert_eq!((imported.job.end_time, imported.mesh.elements.len()), (10.0, 3));
+}
+
+/// The table of an import says what is ignored, and what is left out if that is allowed.
+#[test]
+fn an_import_says_what_a_deck_loses() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plate_0000.rad");
+    fs::write(&path, with("/ANALY\ni0\n/MAT/LAW42/9\n=rubber\n/XYZ/1\n=x") + "/END\n").unwrap();
+    let out = folder.path().join("imported");
+    let args = ["import", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    let said = run(crumple_with(&args)).with_code(2).said();
+    assert!(said.contains("/MAT/LAW42 is not supported yet: rubber"), "{said}");
+    assert!(said.contains("/XYZ is not supported"), "{said}");
+    assert!(!out.exists());
+    let args = [&args[..], &["--allow-unsupported"]].concat();
+    let said = run(crumple_with(&args)).with_code(0).said();
+    let fate = |keyword: &str| {
+        let row = said.lines().find(|line| line.trim_start().starts_with(keyword));
+        row.unwrap_or_else(|| panic!("{keyword} is not in {said}")).to_string()
+    };
+    assert!(fate("/ANALY").contains("ignored"), "{said}");
+    assert!(fate("/MAT/LAW42").contains("left out  rubber"), "{said}");
+    assert!(fate("/XYZ").contains("left out  not supported"), "{said}");
+    assert!(said.contains("plate_0000.rad:") && said.contains("is not read"), "{said}");
 }
 
 /// Decks of this format have no cases: a choice of one is an error, not ignored.

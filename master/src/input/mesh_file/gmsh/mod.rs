@@ -279,5 +279,11 @@ impl MshReader<'_, '_> {
             let message = format!("{section} states {stated} entries and has {found}");
             self.reading.error("count", self.place(), message, COMPLETE);
         }
+        // Rows after the last one would be lost.
+        let is_text = self.stream.form == MshForm::Text;
+        if is_text && !self.stream.at_section() && !self.reading.has_errors() {
+            let message = format!("{section} has more rows after the {stated} that it states");
+            self.reading.error("count", self.place(), message, COMPLETE);
+        }
     }
 }

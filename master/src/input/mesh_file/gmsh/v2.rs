@@ -76,6 +76,10 @@ impl MshReader<'_, '_> {
 
     /// Reads tags and nodes. The first two tags are the physical group and the entity.
     fn element(&mut self, id: i64, kind: i64, count: i64) -> Result<(), RowFault> {
+        if count < 0 {
+            let message = format!("{count} is no number of tags");
+            return Err(RowFault { message, fatal: false });
+        }
         let mut tags = Vec::new();
         for _ in 0..count {
             tags.push(self.stream.int()?);

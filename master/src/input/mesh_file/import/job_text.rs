@@ -67,17 +67,21 @@ pub fn write(job: &ImportedJob) -> ImportedText {
         + &rigid(mesh)
         + &hints(mesh);
     let mut out = format!(
-        "# Written by `crumple import` for a file of the format {}.\n# Set each value that \
-         `placeholders` names, then remove it from the list.\n",
+        "# Written by `crumple import` for a file of the format {}.\n",
         job.read.format.name
     );
+    if !placeholders.is_empty() {
+        out += "# Set each value that `placeholders` names, then remove it from the list.\n";
+    }
     let _ = writeln!(out, "title = {}", quoted(job.name));
     let _ = writeln!(out, "units = \"{units}\"            # {origin}");
     let _ = writeln!(out, "end_time = {:?}", mesh.end_time.unwrap_or(1.0));
-    let list: Vec<String> =
-        placeholders.iter().map(|key| format!("    {},\n", quoted(key))).collect();
-    let _ = writeln!(out, "placeholders = [\n{}]\n\n[mesh]", list.concat());
-    let _ = writeln!(out, "file = {}", quoted(job.file));
+    if !placeholders.is_empty() {
+        let list: Vec<String> =
+            placeholders.iter().map(|key| format!("    {},\n", quoted(key))).collect();
+        let _ = writeln!(out, "placeholders = [\n{}]", list.concat());
+    }
+    let _ = writeln!(out, "\n[mesh]\nfile = {}", quoted(job.file));
     if job.allowed {
         let _ = writeln!(out, "allow_unsupported = true");
     }

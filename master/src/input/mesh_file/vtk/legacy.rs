@@ -16,7 +16,7 @@ const COMPLETE: &str = "the file may be cut or edited: export it again";
 pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
     let mut file = LegacyReader { bytes, at: 0, line: 0, binary: false, grid: VtkGrid::default() };
     match file.read() {
-        Ok(()) => super::add(&file.grid, reading),
+        Ok(()) => super::add(file.grid, reading),
         Err((message, help)) => {
             let place = FilePlace { file: 0, line: file.line };
             reading.error("section", place, message, help);

@@ -1,5 +1,5 @@
-//! VTK files: XML (`.vtu`, `.vtp`) and legacy (`.vtk`), as text, base64, raw or compressed data
-//! (VTK User's Guide, "VTK file formats").
+//! VTK files: XML (`.vtu`, `.vtp`, their lists `.pvtu`, `.pvtp`) and legacy (`.vtk`), as text,
+//! base64, raw or compressed data (VTK User's Guide, "VTK file formats").
 //!
 //! An array of the cells such as `part`, `MaterialID`, `gmsh:physical` or `CellEntityIds` gives the
 //! parts; without it all cells of one dimension are a part.
@@ -38,6 +38,9 @@ const NODE_IDS: &[&str] = &["node_id", "globalnodeid", "globalnodeids", "globalp
 const ELEMENT_IDS: &[&str] =
     &["element_id", "globalelementid", "globalelementids", "globalcellids"];
 
+/// Flags of cells; the lowest bit is set if the cell is a ghost, which another piece has.
+const GHOSTS: &[&str] = &["vtkghosttype", "vtkghostlevels"];
+
 /// Content of a grid.
 #[derive(Default)]
 pub struct VtkGrid {
@@ -50,7 +53,7 @@ pub struct VtkGrid {
     of_cells: BTreeMap<String, Vec<f64>>,
     /// Names of all other arrays.
     others: Vec<String>,
-    /// Number of pieces of the file.
+    /// Number of pieces of all files.
     pieces: usize,
 }
 
@@ -111,13 +114,21 @@ fn is_inside_out(kind: u64, corners: &[u64], points: &[[f64; 3]]) -> bool {
 }
 
 /// Adds a grid to the mesh.
-fn add(grid: &VtkGrid, reading: &mut MeshReading) {
+fn add(mut grid: VtkGrid, reading: &mut MeshReading) {
     let place = FilePlace::default();
-    let nodes = point_ids(grid, reading);
+    let nodes = point_ids(&grid, reading);
+    let doubled = drop_doubled(&mut grid, &nodes);
+    if doubled > 0 {
+        let became = "other pieces have them, too; each is read once";
+        reading.row(Fate::Ignored, "cells of several pieces", doubled, became);
+    }
+    let grid = &grid;
     let elements = cell_ids(grid, reading);
     let mut known = HashSet::with_capacity(nodes.len());
     let points = nodes.iter().zip(&grid.points).filter(|(id, _)| known.insert(**id));
     reading.mesh.nodes.extend(points.map(|(&id, &x)| FileNode { id, x, place }));
+    // The order of pieces and points depends on the program; that of ids does not.
+    reading.mesh.nodes.sort_by_key(|node| node.id);
     let parts = part_numbers(grid, reading);
     let mut groups = VtkGroups::new();
     for (index, (kind, corners_in_file)) in grid.cells.iter().enumerate() {
@@ -136,13 +147,18 @@ fn add(grid: &VtkGrid, reading: &mut MeshReading) {
         let part = parts.as_ref().map_or(1, |(_, numbers)| numbers[index]);
         groups.entry((part, cell.dimension())).or_default().push((elements[index], cell, corners));
     }
+    for group in groups.values_mut() {
+        group.sort_by_key(|(id, ..)| *id);
+    }
     add_groups(groups, reading);
     if let Some((name, _)) = &parts {
         reading.row(Fate::Read, format!("array {name}"), 1, "the parts of the cells");
     }
     let is_known = |name: &str| {
         let name = name.to_lowercase();
-        [PART_ARRAYS, NODE_IDS, ELEMENT_IDS].iter().any(|names| names.contains(&name.as_str()))
+        [PART_ARRAYS, NODE_IDS, ELEMENT_IDS, GHOSTS]
+            .iter()
+            .any(|names| names.contains(&name.as_str()))
     };
     let numbers = grid.of_points.keys().chain(grid.of_cells.keys());
     for name in numbers.filter(|name| !is_known(name)).chain(&grid.others) {
@@ -179,6 +195,38 @@ fn point_ids(grid: &VtkGrid, reading: &mut MeshReading) -> Vec<u64> {
         reading.warning(FilePlace::default(), message, help);
     }
     (1..=count as u64).collect()
+}
+
+/// Removes cells of several pieces that another piece has: ghosts, and later cells with id and
+/// points of an earlier one. Returns their number. `nodes` are the ids of the points.
+fn drop_doubled(grid: &mut VtkGrid, nodes: &[u64]) -> usize {
+    if grid.pieces < 2 {
+        return 0;
+    }
+    let count = grid.cells.len();
+    let column = |names| named(&grid.of_cells, names).map(|(_, array)| array);
+    let (ghosts, ids) = (column(GHOSTS), column(ELEMENT_IDS));
+    let mut seen = HashSet::new();
+    let mut is_kept = |cell: usize| {
+        let is_ghost =
+            ghosts.is_some_and(|flags| index_of(flags[cell]).is_some_and(|f| f % 2 == 1));
+        let again = ids.is_some_and(|ids| {
+            let points = &grid.cells[cell].1;
+            let points: Vec<Option<&u64>> =
+                points.iter().map(|&p| nodes.get(usize::try_from(p).ok()?)).collect();
+            !seen.insert((ids[cell].to_bits(), points))
+        });
+        !is_ghost && !again
+    };
+    let kept: Vec<bool> = (0..count).map(&mut is_kept).collect();
+    let keep = |array: &mut Vec<f64>| {
+        let mut kept = kept.iter();
+        array.retain(|_| kept.next() == Some(&true));
+    };
+    grid.of_cells.values_mut().for_each(keep);
+    let mut of_cells = kept.iter();
+    grid.cells.retain(|_| of_cells.next() == Some(&true));
+    count - grid.cells.len()
 }
 
 /// Returns the id of each cell.

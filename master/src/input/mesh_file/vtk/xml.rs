@@ -1,5 +1,6 @@
 //! XML files of VTK: unstructured grids and surfaces, with arrays as text, base64 or raw bytes,
-//! also compressed by zlib.
+//! also compressed by zlib. Lists of such files (`.pvtu`, `.pvtp`), which programs write that run
+//! in parallel.
 
 use super::scalar::ScalarType;
 use super::{VtkGrid, index_of};
@@ -18,6 +19,7 @@ struct XmlFault {
     line: u32,
 }
 
+const NO_PIECE: &str = "it has no Piece";
 const COMPLETE: &str = "the file may be cut or edited: export it again";
 /// Largest size of a compressed array after it is unpacked [byte].
 const LARGEST_ARRAY: usize = 1 << 31;
@@ -28,18 +30,47 @@ fn fault(message: impl Into<String>, help: &'static str) -> XmlFault {
     XmlFault { message: message.into(), help, line: 0 }
 }
 
-/// Reads a file.
-pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
-    match grid(bytes) {
-        Ok(grid) => super::add(&grid, reading),
-        Err(fault) => {
-            let place = FilePlace { file: 0, line: fault.line };
-            reading.error("array", place, fault.message, fault.help);
-        }
-    }
+/// A piece in another file.
+struct ListedPiece {
+    /// Name of the file, relative to that of the list.
+    source: String,
+    line: u32,
 }
 
-fn grid(bytes: &[u8]) -> Result<VtkGrid, XmlFault> {
+/// Reads a file, and the pieces that it lists.
+pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
+    let report = |reading: &mut MeshReading, file: u32, fault: XmlFault| {
+        reading.error("array", FilePlace { file, line: fault.line }, fault.message, fault.help);
+    };
+    let mut grid = VtkGrid::default();
+    let listed = add_file(bytes, &mut grid).unwrap_or_else(|fault| {
+        report(reading, 0, fault);
+        Vec::new()
+    });
+    for piece in listed {
+        let place = FilePlace { file: 0, line: piece.line };
+        let Some((file, bytes)) = reading.include(&piece.source, place) else { continue };
+        match add_file(&bytes, &mut grid) {
+            Ok(nested) if nested.is_empty() => {}
+            Ok(_) => {
+                let message = format!("the piece `{}` is a list of pieces", piece.source);
+                reading.error("piece", place, message, "name the pieces of that list here");
+            }
+            Err(fault) => report(reading, file, fault),
+        }
+    }
+    if reading.has_errors() {
+        return;
+    }
+    // Arrays that a piece lacks have fewer numbers than points or cells.
+    let (points, cells) = (grid.points.len(), grid.cells.len());
+    grid.of_points.retain(|_, array| array.len() == points);
+    grid.of_cells.retain(|_, array| array.len() == cells);
+    super::add(grid, reading);
+}
+
+/// Adds the pieces of a file to a grid. Returns those that it lists.
+fn add_file(bytes: &[u8], grid: &mut VtkGrid) -> Result<Vec<ListedPiece>, XmlFault> {
     // Appended data are no XML, so the text before them is closed here.
     let mark = b"<AppendedData";
     let begin = bytes.windows(mark.len()).position(|window| window == mark);
@@ -57,6 +88,9 @@ fn grid(bytes: &[u8]) -> Result<VtkGrid, XmlFault> {
     let root = document.root_element();
     let attribute = |name: &str| root.attribute(name).unwrap_or_default();
     let kind = attribute("type");
+    if ["PUnstructuredGrid", "PPolyData"].contains(&kind) {
+        return listed(&document);
+    }
     if !["UnstructuredGrid", "PolyData"].contains(&kind) {
         let help = "give the .vtu or .vtp file of one grid; convert others to an unstructured \
                     grid (in ParaView the filters Merge Blocks or Append Datasets)";
@@ -73,7 +107,28 @@ fn grid(bytes: &[u8]) -> Result<VtkGrid, XmlFault> {
         header: if attribute("header_type") == "UInt64" { 8 } else { 4 },
         compressed: !compressor.is_empty(),
     };
-    file.grid(root, kind == "PolyData")
+    file.grid(root, kind == "PolyData", grid)?;
+    Ok(Vec::new())
+}
+
+/// Returns the pieces of a list.
+fn listed(document: &Document) -> Result<Vec<ListedPiece>, XmlFault> {
+    let pieces = document.descendants().filter(|node| node.has_tag_name("Piece"));
+    let pieces: Vec<ListedPiece> = pieces
+        .map(|piece| {
+            let line = document.text_pos_at(piece.range().start).row;
+            let source = piece.attribute("Source").filter(|source| !source.is_empty());
+            source.map(|source| ListedPiece { source: source.into(), line }).ok_or(XmlFault {
+                message: "the Piece has no Source".into(),
+                help: "write the name of its .vtu or .vtp file: Source=\"NAME\"",
+                line,
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    if pieces.is_empty() {
+        return Err(fault(NO_PIECE, COMPLETE));
+    }
+    Ok(pieces)
 }
 
 /// Appended data: bytes after the mark, and whether they are base64.
@@ -103,22 +158,13 @@ struct XmlReader<'a, 'd> {
 }
 
 impl XmlReader<'_, '_> {
-    fn grid(&self, root: Node, surface: bool) -> Result<VtkGrid, XmlFault> {
-        let mut grid = VtkGrid::default();
-        let mut pieces = 0;
+    fn grid(&self, root: Node, surface: bool, grid: &mut VtkGrid) -> Result<(), XmlFault> {
+        let before = grid.pieces;
         for piece in root.descendants().filter(|node| node.has_tag_name("Piece")) {
-            pieces += 1;
-            self.piece(piece, surface, &mut grid)?;
+            grid.pieces += 1;
+            self.piece(piece, surface, grid)?;
         }
-        grid.pieces = pieces;
-        if pieces == 0 {
-            return Err(fault("it has no Piece", COMPLETE));
-        }
-        // Arrays that a piece lacks have fewer numbers than points or cells.
-        let (points, cells) = (grid.points.len(), grid.cells.len());
-        grid.of_points.retain(|_, array| array.len() == points);
-        grid.of_cells.retain(|_, array| array.len() == cells);
-        Ok(grid)
+        if grid.pieces == before { Err(fault(NO_PIECE, COMPLETE)) } else { Ok(()) }
     }
 
     fn piece(&self, piece: Node, surface: bool, grid: &mut VtkGrid) -> Result<(), XmlFault> {
