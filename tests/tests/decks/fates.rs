@@ -262,10 +262,23 @@ fn what_is_left_out_has_a_name() {
         "{report}"
     );
     assert!(!report.contains("there is no *MAT_"), "{report}");
-    let bag = based("*AIRBAG_HYBRID\n1\n*CONTROL_TIMESTEP\n0,0,0,0,0,7\n");
+    let bag = based(
+        "*AIRBAG_HYBRID\n1\n*CONTROL_TIMESTEP\n0,0,0,0,0,7\n\
+                     *DEFINE_CURVE\n7\n0.0,1e-3\n1.0,2e-3\n",
+    );
     let model = reading(&bag, &["mesh.allow_unsupported=true"]).unwrap_or_else(|r| panic!("{r}"));
     assert!(said(&model).contains("bags have no pressure"), "{}", said(&model));
     assert!(said(&model).contains("acts as if `lctm` were blank"), "{}", said(&model));
+}
+
+/// A constant curve limits the time step of a job.
+#[test]
+fn a_constant_curve_limits_the_step() {
+    let cards = "*CONTROL_TIMESTEP\n0,0,0,0,0,7\n*DEFINE_CURVE\n7\n0.0,1e-3\n1.0,1e-3\n";
+    let model = reading(&based(cards), &[]).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(model.settings.dt_max, 1e-3);
+    let report = reading(&based("*CONTROL_TIMESTEP\n0,0,0,0,0,7\n"), &[]).err().unwrap();
+    assert!(report.contains("there is no *DEFINE_CURVE with the id 7"), "{report}");
 }
 
 /// Implicit decks are named as such; without imflag their keywords have no effect.

@@ -104,8 +104,14 @@ pub(in crate::input::deck) fn most<'n>(start: &str, names: impl Iterator<Item = 
 fn control(deck: &mut DeckWriter, job: &Job) {
     deck.keyword("CONTROL_TERMINATION");
     deck.card(&[Number(job.end_time), Id(job.time.max_cycles), Number(job.time.dt_min_ratio)]);
+    let time = &job.time;
+    let limit = match time.dt_max > 0.0 {
+        true => Id(points(deck, &[[0.0, time.dt_max], [2.0 * job.end_time, time.dt_max]])),
+        false => Blank,
+    };
     deck.keyword("CONTROL_TIMESTEP");
-    deck.card(&[Blank, Number(job.time.safety), Blank, Blank, Number(-job.time.mass_scaling_dt)]);
+    let scaled = Number(-time.mass_scaling_dt);
+    deck.card(&[Blank, Number(time.safety), Blank, Blank, scaled, limit]);
     if job.time.damping > 0.0 {
         deck.keyword("DAMPING_GLOBAL");
         deck.card(&[Blank, Number(job.time.damping)]);

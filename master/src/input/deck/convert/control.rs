@@ -55,9 +55,7 @@ impl DeckConverter {
                             is blank; shells end the run";
                 self.map("time step", "erode 1", used);
             }
-            if record.integer("lctm") != 0 {
-                self.unsupported_value(&record, "lctm", "a curve that limits the time step");
-            }
+            self.step_limit(&record);
         }
         for record in self.take_one("DATABASE_GLSTAT").into_iter().filter(|r| r.real("dt") > 0.0) {
             self.tree.set_in("output", "history_interval", record.place("dt"), record.real("dt"));
@@ -81,6 +79,23 @@ impl DeckConverter {
             }
             let damping = record.real("valdmp") * self.damping_factor(&record);
             self.tree.set_in("time", "damping", record.place("valdmp"), damping);
+        }
+    }
+
+    /// Converts the curve that limits the time step. The limit of a job is constant.
+    fn step_limit(&mut self, record: &CardRecord) {
+        let (id, place) = (record.integer("lctm"), record.place("lctm"));
+        if id == 0 {
+            return;
+        }
+        let Some(curve) = self.curve(id, place) else { return };
+        let limit = curve.points.first().map_or(0.0, |p| p[1]);
+        if limit > 0.0 && curve.points.iter().all(|p| p[1] == limit) {
+            self.tree.set_in("time", "dt_max", place, limit);
+        } else {
+            let why = "a limit of the time step that changes, or is not above 0: give a constant \
+                       curve";
+            self.unsupported_value(record, "lctm", why);
         }
     }
 

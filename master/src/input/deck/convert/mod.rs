@@ -167,10 +167,10 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.beams();
     b.rows.number_apart(&mut b.mapping);
     b.particles();
+    b.curves();
     b.control();
     b.implicit();
     b.sensors();
-    b.curves();
     b.tables();
     b.space();
     let mut materials = b.materials();

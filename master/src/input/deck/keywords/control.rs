@@ -56,7 +56,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "tssfac is `time.safety` (0.9 if blank). erode 1 is `inverted = \"delete\"` of all parts \
          of solids: those whose step falls below dtmin are deleted, too. The absolute value of \
          dt2ms is `time.mass_scaling_dt`; added mass has no limit, and the run warns of its \
-         fraction. lctm is not supported",
+         fraction. lctm is `time.dt_max` if its curve is constant",
     )
     .unused(&[
         no_effect("dtinit", "the first step is the stable one times tssfac"),
