@@ -14,7 +14,7 @@ use crumple_proto::histories::{
     ContactShare, HistoryRequests, HistoryShares, NodeGroup, NodeState, PartShare, SectionCut,
     SectionShare, merge_each,
 };
-use crumple_proto::ids::NodeId;
+use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::partition::Settings;
 use crumple_proto::place::ModelPlace;
 use serde::{Deserialize, Serialize};
@@ -280,9 +280,12 @@ fn parts(state: &HistoryState<'_>, ended: bool) -> Vec<PartShare<ExactSum>> {
         let at = || ModelPlace { element: Some(e.record.id), ..ModelPlace::default() };
         part.most_hourglass.raise(energies[1], at);
     }
-    for peak in parts.iter_mut().map(|part| &mut part.most_hourglass) {
-        if let Some(id) = peak.at.element {
-            peak.at = blocks.place(id, nodes);
+    let worst: Vec<Option<ElemId>> =
+        parts.iter().map(|part| part.most_hourglass.at.element).collect();
+    for e in &blocks.elements {
+        let part = e.record.part as usize;
+        if worst[part] == Some(e.record.id) {
+            parts[part].most_hourglass.at = Blocks::place_of(e, nodes);
         }
     }
     let dot = |a: &Row, b: &Row| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -1,21 +1,24 @@
 "use strict";
-// A coarser picture while it plays: near nodes share a place, so that most faces vanish.
+// A coarser picture while it plays: near nodes share a place, so that faces between them vanish.
 
 /** Fewest faces of a coarser picture. */
 const FEWEST_FACES = 8000;
 /** Shares of the pixels of a line and of the faces, from the best picture on. */
 const QUALITIES = [[1, 1], [0.8, 1], [0.8, 0.5], [0.8, 0.25], [0.8, 0.12], [0.65, 0.12], [0.5, 0.12]];
 
-/** The qualities of a model: small ones keep all their faces. */
+/** Least share of the faces of a model: small ones keep all. */
+const leastShare = (model) => Math.min(FEWEST_FACES / model.faces, 1);
+
+/** The qualities that differ for a model. */
 function qualitiesOf(model) {
-  const least = Math.min(FEWEST_FACES / model.faces, 1);
+  const least = leastShare(model);
   const all = QUALITIES.map(([pixels, faces]) => [pixels, Math.max(faces, least)]);
   return all.filter(([pixels, faces], i) => !i || pixels !== all[i - 1][0] || faces !== all[i - 1][1]);
 }
 
 /**
- * Stand-ins of nodes: one node for all in each cube of a grid at the first time. The cubes are large enough to leave
- * about this share of the faces.
+ * Stand-ins of nodes: one node for all of a part in each cube of a grid at the first time. The cubes are large enough to
+ * leave about this share of the faces.
  */
 function standIns(model, share) {
   const { grid, position } = model.frames[0];
@@ -31,7 +34,12 @@ function standIns(model, share) {
     count++;
   }
   const side = Math.sqrt(area / (count || 1) / share) || 1;
-  const cubeOf = (node) => [0, 1, 2].map((c) => Math.floor(at(node, c) / side)).join();
+  // A part that moves away takes its nodes along. Those of two parts are of the first one.
+  const partOf = new Uint16Array(model.nodes).fill(model.parts.length);
+  for (let k = 4 * model.faces - 1; k >= 0; k--) partOf[model.corners[k]] = model.part[model.owners[0][k >> 2] - 1];
+  // One number for a cube and a part.
+  const sides = [0, 1, 2].map((c) => 1 + Math.floor(position[c].reduce((most, x) => Math.max(most, x), 0) * grid.unit / side));
+  const cubeOf = (node) => [0, 1, 2].reduce((number, c) => number * sides[c] + Math.floor(at(node, c) / side), partOf[node]);
   // The node nearest to the middle of a cube leaves planes plane.
   const best = new Map();
   for (let node = 0; node < model.nodes; node++) {

@@ -143,14 +143,17 @@ function displacementOf(model, unit) {
 
 /** Magnitude of the contact force of the nodes; 0 where none acts. */
 function contactForceOf(model, unit) {
-  const ofFrames = new Map(model.frames.map((frame) => {
-    const values = new Float32Array(model.nodes);
-    const { nodes, components: [x, y, z] } = frame.forces;
-    nodes.forEach((node, i) => (values[node] = Math.hypot(x[i], y[i], z[i])));
-    return [frame, values];
-  }));
-  const most = Math.max(...model.frames.map((frame) => ofFrames.get(frame).reduce((a, b) => Math.max(a, b), 0)));
-  const way = scaled(model, { title: "contact force", unit, node: (frame, number) => ofFrames.get(frame)[number], range: [0, most] });
+  const size = ({ components: [x, y, z] }, i) => Math.hypot(x[i], y[i], z[i]);
+  const most = model.frames.reduce((all, { forces }) => forces.nodes.reduce((m, _, i) => Math.max(m, size(forces, i)), all), 0);
+  let last = {};
+  // Few nodes touch: values of all nodes are made for the frame that is shown.
+  const values = (frame) => {
+    if (last.frame === frame) return last.values;
+    last = { frame, values: new Float32Array(model.nodes) };
+    frame.forces.nodes.forEach((node, i) => (last.values[node] = size(frame.forces, i)));
+    return last.values;
+  };
+  const way = scaled(model, { title: "contact force", unit, node: (frame, number) => values(frame)[number], range: [0, most] });
   way.top = roundUp(most); // few nodes touch, so that a percentile says nothing
   return way;
 }

@@ -110,7 +110,6 @@ class Page {
     packed.remove();
     this.ways = this.colourings();
     this.way = this.ways.find((way) => way.kinds || way.most > 0);
-    this.qualities = qualitiesOf(this.model);
     this.shown = this.model.parts.map(() => true);
     try {
       this.view = new View(byId("canvas"), this.model, this.facts.walls);
@@ -119,6 +118,8 @@ class Page {
     }
     this.times = this.model.frames.map((frame) => frame.time);
     if (this.second?.facts.model) await this.second.picture(this);
+    const largest = [this.model, this.second?.model].filter(Boolean).reduce((a, b) => (b.faces > a.faces ? b : a));
+    this.qualities = qualitiesOf(largest);
     this.stops = [...new Set([...this.times, ...(this.second?.times ?? [])])].sort((a, b) => a - b);
     this.begin = this.stops[0];
     this.end = this.stops[this.stops.length - 1];
@@ -446,11 +447,12 @@ class Page {
   }
 
   play(on) {
+    const wasOn = this.playing;
     this.playing = on;
     const button = byId("play");
     button.textContent = on ? "❚❚" : "▶";
     button.setAttribute("aria-label", on ? "Pause" : "Play");
-    this.simplify(on ? this.quality : 0);
+    if (on || wasOn) this.simplify(on ? this.quality : 0);
     if (!on) return;
     if (this.time >= this.end) this.go(this.begin);
     let last = null;
@@ -466,9 +468,12 @@ class Page {
       if (now - since >= LOOK_EVERY) {
         const rate = (1000 * count) / (now - since);
         root.dataset.framesPerSecond = rate.toFixed(1);
-        if (rate < SMOOTH && this.quality + 1 < this.qualities.length) this.simplify(++this.quality);
         since = now;
         count = 0;
+        if (rate < SMOOTH && this.quality + 1 < this.qualities.length) {
+          this.simplify(++this.quality);
+          [last, since] = [null, null]; // its own time does not count
+        }
       }
       count++;
       if (this.time < this.end) requestAnimationFrame(next);
@@ -482,8 +487,7 @@ class Page {
 
   /** Draws with a quality of the list. */
   simplify(quality) {
-    const [pixels, faces] = this.qualities[quality];
-    for (const view of [this.view, this.second?.view]) view?.simplify(pixels, faces);
+    for (const view of [this.view, this.second?.view]) view?.simplify(this.qualities[quality]);
     this.redraw();
   }
 

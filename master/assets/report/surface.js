@@ -110,6 +110,8 @@ class Surface {
     for (const one of spots) Object.assign(one, { defines: { POINTS: "" } });
     this.points = new Patches(model, points, 1, (geometry) => new THREE.Points(geometry, spots));
     this.all = [this.areas, this.lines, this.points];
+    /** Stand-ins of nodes by the share of the faces. */
+    this.standIns = new Map();
     this.objects = this.all.map((patches) => patches.object);
   }
 
@@ -120,8 +122,8 @@ class Surface {
 
   /** Draws about this share of the faces, from the next `show` on. */
   coarsen(share) {
-    const standIn = share < 1 ? standIns(this.model, share) : null;
-    for (const patches of [this.areas, this.lines]) patches.standIn(standIn);
+    if (share < 1 && !this.standIns.has(share)) this.standIns.set(share, standIns(this.model, share));
+    for (const patches of [this.areas, this.lines]) patches.standIn(this.standIns.get(share) ?? null);
   }
 
   between(fraction) {

@@ -218,9 +218,9 @@ class View {
     this.draw();
   }
 
-  /** Draws with this share of the pixels of a line and, from the next `show` on, of the faces. */
-  simplify(pixels, faces) {
-    this.surface.coarsen(faces);
+  /** Draws with this quality: at once with its pixels, from the next `show` on with its faces. */
+  simplify([pixels, faces]) {
+    this.surface.coarsen(Math.max(faces, leastShare(this.surface.model)));
     if (pixels === this.sharpness) return;
     this.sharpness = pixels;
     this.fit();

@@ -156,16 +156,18 @@ fn pieces_of_other_programs_are_joined() {
     let found = good(&listed(folder.path(), |text| text.replace("GlobalNodeId", "level")));
     assert_eq!((found.mesh.nodes.len(), found.mesh.elements.len()), (8, 2));
     assert!(found.warnings[0].message.contains("2 pieces"), "{:?}", found.warnings);
-    let flag = |text: &str| {
-        let value = if text.contains("2 0 0") { 1 } else { 0 };
-        let array = format!(
-            "<CellData>\n<DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">{value}\
-             </DataArray>\n</CellData>\n</Piece>"
-        );
-        text.replace("</Piece>", &array)
-    };
-    let found = good(&listed(folder.path(), flag));
-    assert_eq!((found.mesh.nodes.len(), found.mesh.elements.len()), (4, 1));
+    for (name, ghost) in [("vtkGhostType", 1), ("vtkGhostLevels", 2)] {
+        let flag = |text: &str| {
+            let value = if text.contains("2 0 0") { ghost } else { 0 };
+            let array = format!(
+                "<CellData>\n<DataArray type=\"UInt8\" Name=\"{name}\" format=\"ascii\">{value}\
+                 </DataArray>\n</CellData>\n</Piece>"
+            );
+            text.replace("</Piece>", &array)
+        };
+        let found = good(&listed(folder.path(), flag));
+        assert_eq!((found.mesh.nodes.len(), found.mesh.elements.len()), (4, 1), "{name}");
+    }
 }
 
 /// A list with a wrong piece is an error that names the piece and the line.

@@ -404,7 +404,7 @@ fn facts(sources: &RunFiles, model: Option<&Description>) -> serde_json::Value {
     json!({
         "time_unit": sources.history.as_ref().map_or("", |h| h.unit("time")),
         "length_unit": length,
-        "force_unit": sources.force(),
+        "force_unit": sources.force_unit(),
         "scalars": scalars(sources),
         "node_scalars": node_scalars(sources),
         "part_names": sources.part_names(),

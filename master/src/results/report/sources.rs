@@ -219,7 +219,7 @@ impl RunFiles {
     }
 
     /// Returns the label of force in the job's units.
-    pub fn force(&self) -> String {
+    pub fn force_unit(&self) -> String {
         match self.unit_words()[..] {
             ["mm", "ms", "kg", ..] => "kN".into(),
             ["mm", "s", "t" | "tonne", ..] | ["m", "s", "kg", ..] => "N".into(),

@@ -1,6 +1,6 @@
 //! Elements near a limit, with their places, for the rows of the history.
 
-use super::Blocks;
+use super::{Blocks, LocalElement};
 use crate::nodes::Nodes;
 use crumple_math::row::xyz;
 use crumple_proto::ids::ElemId;
@@ -16,15 +16,19 @@ impl Blocks {
     /// Returns the place of an own element.
     pub fn place(&self, id: ElemId, nodes: &Nodes) -> ModelPlace {
         let found = self.elements.iter().find(|e| e.record.id == id);
-        found.map_or_else(ModelPlace::default, |e| {
-            let corners = &e.nodes[..e.record.shape.corners()];
-            let mut x = [0.0; 3];
-            for &n in corners {
-                let at = xyz(&nodes.x[n as usize]);
-                (0..3).for_each(|c| x[c] += at[c] / corners.len() as f64);
-            }
-            ModelPlace { element: Some(id), node: None, part: Some(e.record.part), x }
-        })
+        found.map_or_else(ModelPlace::default, |e| Self::place_of(e, nodes))
+    }
+
+    /// Returns the place of an element.
+    pub fn place_of(element: &LocalElement, nodes: &Nodes) -> ModelPlace {
+        let record = &element.record;
+        let corners = &element.nodes[..record.shape.corners()];
+        let mut x = [0.0; 3];
+        for &n in corners {
+            let at = xyz(&nodes.x[n as usize]);
+            (0..3).for_each(|c| x[c] += at[c] / corners.len() as f64);
+        }
+        ModelPlace { element: Some(record.id), node: None, part: Some(record.part), x }
     }
 
     /// Returns the own shell or solid with the smallest Jacobian at a corner, over its value at the

@@ -39,7 +39,9 @@ const ELEMENT_IDS: &[&str] =
     &["element_id", "globalelementid", "globalelementids", "globalcellids"];
 
 /// Flags of cells; the lowest bit is set if the cell is a ghost, which another piece has.
-const GHOSTS: &[&str] = &["vtkghosttype", "vtkghostlevels"];
+const GHOSTS: &[&str] = &["vtkghosttype"];
+/// Levels of cells in older files: 0 for a cell of the piece, above 0 for a ghost.
+const GHOST_LEVELS: &[&str] = &["vtkghostlevels"];
 
 /// Content of a grid.
 #[derive(Default)]
@@ -205,11 +207,12 @@ fn drop_doubled(grid: &mut VtkGrid, nodes: &[u64]) -> usize {
     }
     let count = grid.cells.len();
     let column = |names| named(&grid.of_cells, names).map(|(_, array)| array);
-    let (ghosts, ids) = (column(GHOSTS), column(ELEMENT_IDS));
+    let (ghosts, levels, ids) = (column(GHOSTS), column(GHOST_LEVELS), column(ELEMENT_IDS));
     let mut seen = HashSet::new();
     let mut is_kept = |cell: usize| {
-        let is_ghost =
-            ghosts.is_some_and(|flags| index_of(flags[cell]).is_some_and(|f| f % 2 == 1));
+        let is_ghost = ghosts
+            .is_some_and(|flags| index_of(flags[cell]).is_some_and(|f| f % 2 == 1))
+            || levels.is_some_and(|levels| levels[cell] > 0.0);
         let again = ids.is_some_and(|ids| {
             let points = &grid.cells[cell].1;
             let points: Vec<Option<&u64>> =
