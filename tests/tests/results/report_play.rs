@@ -24,7 +24,7 @@ fn a_large_model_plays_coarser_and_stops_whole() {
         let of_axis = places.chunks(3).map(|x| x[c]);
         of_axis.fold([f64::INFINITY, f64::NEG_INFINITY], |e, x| [e[0].min(x), e[1].max(x)])
     };
-    // This model is small. So it is told to have few faces, as a large one is by its quality.
+    // This model is small. A large one gets its share of the faces by the quality.
     browser.evaluate("crumple.qualities = [[1, 1], [0.8, 1]], crumple.quality = 1");
     browser.evaluate(
         "crumple.playing = true, crumple.simplify(1), \
