@@ -8,8 +8,8 @@
 //! of the two pairs gets a force, and residuals are small.
 //!
 //! It is the pair that had the force in the step before, otherwise the deeper one. The contact
-//! points of the two are not quite the same. Were the deeper pair chosen in each step, the other one
-//! would sink a little until it gets the force, and close its gap within a step. This creates
+//! points of the two are not quite the same. Were the deeper pair chosen in each step, the other
+//! one would sink a little until it gets the force, and close its gap within a step. This creates
 //! energy: plates of 5 by 5 and of 6 by 6 shells that are pressed together would not come to rest
 //! (case C08 of the catalogue).
 
