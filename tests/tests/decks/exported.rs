@@ -235,6 +235,32 @@ fn ties_have_cards() {
     assert_eq!(count(&deck, "CONTACT_TIEBREAK_SURFACE_TO_SURFACE_ONLY_ID"), 6, "{}", deck.text);
 }
 
+/// Names that are written for ties without one, and those that a reader gives, are no names of
+/// other ties: a reader would merge these.
+#[test]
+fn ties_with_names_of_cards_are_not_merged() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported/ties.toml");
+    let given = fs::read_to_string(&path).unwrap();
+    let last = |name: &str| format!("\nname = \"{name}\"\nnodes = \"upper12\"\n");
+    let two = "\n[[tie]]\nname = \"tie 1\"\nnodes = \"upper13\"\nnode = 1207\n";
+    for (name, more) in [("tie 1", ""), ("interpolation 1", ""), ("tie 1", two)] {
+        let text = given
+            .replace("name = \"lasting\"", "name = \"\"")
+            .replace("upper12 = [1205, 1206, 1208]", "upper12 = [1205, 1206]\nupper13 = [1208]")
+            .replace("\nnodes = \"upper12\"\n", &last(name))
+            + more;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ties.toml");
+        fs::write(&path, text).unwrap();
+        let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+        let again = read_back(&export(&model).expect("a deck").text, &[]);
+        // The tie to a mean has a card for each of its four nodes.
+        assert_eq!(again.job.tie.len(), model.job.tie.len() + 3, "{name}");
+        assert_same(&model, &again, name);
+        assert_same_motion(&model, &again, name);
+    }
+}
+
 /// Given mass, centre and inertia of a body are on the card of its leading part, with its motion at
 /// the start; what is fixed of a body of nodes is on its card.
 #[test]
@@ -249,11 +275,74 @@ fn mass_properties_of_bodies_have_cards() {
     ] {
         assert_eq!(count(&deck, keyword), times, "{keyword}: {}", deck.text);
     }
-    // The velocity at the centre (13, 5, 7) by the spin about (5, 5, 5).
+    // The velocity at the centre (13, 5, 7) by the spin about (5.1, 4.9, 5.3).
     let lines: Vec<&str> = deck.text.lines().collect();
     let part = lines.iter().position(|line| *line == "*PART_INERTIA").expect("a part");
     let motion: Vec<f64> =
         lines[part + 5].split_whitespace().map(|v| v.parse().expect("a number")).collect();
-    assert_eq!(motion, [0.0, 26.0, 0.0, 0.0, 0.0, 3.0]);
+    let (arm, spin) = ([7.9, 0.1, 1.7], [0.1234567, 0.7654321, 3.3333]);
+    let turned = [1, 2, 0].map(|c| {
+        let next = (c + 1) % 3;
+        spin[c] * arm[next] - spin[next] * arm[c]
+    });
+    let expected = [0.123, 2.017, 0.31].iter().zip(turned).map(|(v, w)| v + w);
+    assert!(motion.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{motion:?}");
+    assert_eq!(motion[3..], spin);
     expect_test::expect_file!["../../decks/exported/bodies.txt"].assert_eq(&deck.left.join("\n"));
+}
+
+/// The weights of a tie to a mean, and the first node of a tie to a node, follow the ids of the
+/// user, also if the mesh is numbered again.
+#[test]
+fn ties_of_a_renumbered_mesh_keep_their_weights() {
+    const SIDE: usize = 160;
+    const NODES: usize = (SIDE + 1) * (SIDE + 1);
+    // Without a factor in common with NODES = 7^2 23^2, each id comes once.
+    let id = |i: usize, j: usize| 1 + ((i * (SIDE + 1) + j) * 9973) % NODES;
+    let mut nodes = String::new();
+    let mut shells = String::new();
+    for (i, j) in (0..=SIDE).flat_map(|i| (0..=SIDE).map(move |j| (i, j))) {
+        writeln!(nodes, "[{}, {i}.0, {j}.0, 0.0],", id(i, j)).unwrap();
+        if i < SIDE && j < SIDE {
+            let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+            writeln!(shells, "[{}, 1, {corners:?}],", 1 + i * SIDE + j).unwrap();
+        }
+    }
+    let shells = shells.replace(", [", ", ").replace("]],", "],");
+    for (k, (x, y)) in [(80, 80), (81, 80), (81, 81), (80, 81)].into_iter().enumerate() {
+        writeln!(nodes, "[{}, {x}.0, {y}.0, 2.0],", NODES + 1 + k).unwrap();
+    }
+    let [a, b, c, d] = [1, 2, 3, 4].map(|k| NODES + k);
+    let masters = [id(80, 80), id(81, 80), id(81, 81), id(80, 81)];
+    assert!(!masters.is_sorted(), "the order of the ids is not that of the places");
+    // The smallest id of a row is between these ends, whichever end has the first place.
+    let ends = [id(40, 20), id(40, 90)];
+    let carrier = (21..90).map(|j| id(40, j)).min().unwrap();
+    assert!(ends.iter().all(|&end| carrier < end));
+    let text = format!(
+        "title = \"Ties\"\nend_time = 0.01\nunits = \"mm, ms, kg\"\n[time]\nmax_cycles = 8\n\
+         [mesh]\nnodes = [\n{nodes}]\nshells = [\n{shells}[99999, 2, {a}, {b}, {c}, {d}],\n]\n\
+         [mesh.node_sets]\nslave = [{a}]\nmasters = {masters:?}\nends = {ends:?}\n\
+         [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+         youngs_modulus = 207.0\npoisson = 0.3\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n\
+         [[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 1.0\n\
+         [[initial_velocity]]\nnodes = \"masters\"\nvelocity = [0.0, 0.3, 5.0]\n\
+         [[tie]]\nname = \"interpolation 1\"\nnodes = \"slave\"\nmean_of = \"masters\"\n\
+         weights = [1.0, 2.0, 3.0, 4.0]\n\
+         [[tie]]\nnodes = \"ends\"\nnode = {carrier}\n"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("job.toml");
+    fs::write(&path, text).unwrap();
+    let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    let is_renumbered = model.mesh.nodes.iter().any(|n| n.id.0 != n.id.label());
+    assert!(is_renumbered, "the mesh is large enough to be numbered again");
+    let deck = export(&model).expect("a deck");
+    for keyword in ["CONSTRAINED_INTERPOLATION", "CONSTRAINED_NODE_SET"] {
+        assert_eq!(count(&deck, keyword), 1, "{keyword}");
+    }
+    let again = read_back(&deck.text, &[]);
+    assert_same(&model, &again, "ties of a renumbered mesh");
+    assert_same_motion(&model, &again, "ties of a renumbered mesh");
 }

@@ -277,6 +277,14 @@ fn a_constant_curve_limits_the_step() {
     let cards = "*CONTROL_TIMESTEP\n0,0,0,0,0,7\n*DEFINE_CURVE\n7\n0.0,1e-3\n1.0,1e-3\n";
     let model = reading(&based(cards), &[]).unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(model.settings.dt_max, 1e-3);
+    // A factor on the ordinates.
+    let cards = "*CONTROL_TIMESTEP\n0,0,0,0,0,7\n*DEFINE_CURVE\n7,0,1.0,0.25\n\
+                 0.0,8e-3\n1.0,8e-3\n";
+    let model = reading(&based(cards), &[]).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(model.settings.dt_max, 2e-3);
+    let zeros = "*CONTROL_TIMESTEP\n0,0,0,0,0,7\n*DEFINE_CURVE\n7\n0.0,0.0\n1.0,0.0\n";
+    let report = refused(&based(zeros));
+    assert!(report.contains("`lctm` = 7 is not supported"), "{report}");
     let report = reading(&based("*CONTROL_TIMESTEP\n0,0,0,0,0,7\n"), &[]).err().unwrap();
     assert!(report.contains("there is no *DEFINE_CURVE with the id 7"), "{report}");
 }

@@ -289,3 +289,44 @@ fn what_cannot_be_changed_is_refused() {
     let said = found.warnings.iter().any(|w| w.message.contains("axes of the whole deck"));
     assert!(said, "{:?}", found.warnings);
 }
+
+/// A plane of symmetry moves with its file, in the units of the deck. Its normal stays along the
+/// axis of the deck, with a warning if the file turns.
+#[test]
+fn planes_of_symmetry_move_with_their_file() {
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} is not {b}");
+    let shift = "*DEFINE_TRANSFORMATION\n7\nTRANSL,100,0,7\n";
+    let include = |lengths: u32| format!("*INCLUDE_TRANSFORM\npart.k\n0\n0\n1,1,{lengths}\n7\n");
+    let turned_axes =
+        |m: &Model| m.warnings.iter().any(|w| w.message.contains("axes of the whole deck"));
+    for (main, part, point, tolerance, turns) in [
+        // The file in the units of the deck, and in cm.
+        (shift.to_string() + &include(1), "-80,1,2,0.3", [20.0, 1.0, 9.0], 0.3, false),
+        (shift.to_string() + &include(10), "-8,0.1,0.2,0.03", [20.0, 1.0, 9.0], 0.3, false),
+        (MOVE.to_string() + &include(1), "1,80,2,0.3", [20.0, 1.0, 9.0], 0.3, true),
+    ] {
+        let found = model(&main, &format!("*CONSTRAINED_GLOBAL\n1,5,1,{part}\n"));
+        let [plane] = found.job.symmetry.as_slice() else { panic!("one plane: {main}") };
+        assert_eq!(plane.normal, [1.0, 0.0, 0.0]);
+        (0..3).for_each(|c| near(plane.point[c], point[c]));
+        near(plane.tolerance, tolerance);
+        assert_eq!(turned_axes(&found), turns, "{:?}", found.warnings);
+    }
+}
+
+/// The fixed axes of a body of nodes are those of the deck. If the file turns, a warning says so.
+#[test]
+fn fixed_axes_of_a_body_of_nodes_do_not_turn() {
+    let main = format!("{MOVE}*INCLUDE_TRANSFORM\npart.k\n0\n0\n1,1,1\n7\n");
+    for (cmo, is_fixed) in [(1, true), (0, false)] {
+        let part = format!(
+            "*SET_NODE_LIST\n7\n11,12,14\n*CONSTRAINED_NODAL_RIGID_BODY_SPC\n50,0,7\n{cmo},1,7\n"
+        );
+        let found = model(&main, &part);
+        let said = found.warnings.iter().any(|w| {
+            w.message.contains("CONSTRAINED_NODAL_RIGID_BODY")
+                && w.message.contains("axes of the whole deck")
+        });
+        assert_eq!(said, is_fixed, "{:?}", found.warnings);
+    }
+}

@@ -292,6 +292,7 @@ const ROLES: &[(&str, &str)] = &[
     ("LOAD_SHELL*", "esid=#s lcid=#f:t:p sf=1 at=t"),
     ("CONSTRAINED_NODAL_RIGID_BODY", "iprt=1 drflag=1 rrflag=1 cmo=1 con1=1 con2=1"),
     ("CONSTRAINED_EXTRA_NODES*", ""),
+    ("CONSTRAINED_GLOBAL", "tc=1 rc=1 dir=1 x=@x tol=l"),
     ("CONSTRAINED_RIGID_BODIES", "iflag=1"),
     (
         "CONSTRAINED_RIGID_BODY_STOPPERS",

@@ -12,6 +12,8 @@ use std::collections::HashMap;
 
 /// Keyword of bounds of the motion of rigid bodies.
 const STOPPERS: &str = "CONSTRAINED_RIGID_BODY_STOPPERS";
+/// Keyword of rigid bodies of nodes.
+const NODAL_BODY: &str = "CONSTRAINED_NODAL_RIGID_BODY";
 
 /// Offsets of ids by kind, in the order of [`OffsetKind`].
 pub type IdOffsets = [i64; 8];
@@ -188,6 +190,8 @@ impl Submodel {
             "LOAD_BODY",
             "LOAD_GRAVITY",
             "MAT_RIGID",
+            NODAL_BODY,
+            "CONSTRAINED_GLOBAL",
             "CONSTRAINED_INTERPOLATION",
             "CONSTRAINED_NODE_SET",
             STOPPERS,
@@ -215,8 +219,8 @@ impl Submodel {
             trouble.error(record.head, message, help);
         } else if !self.map.turns() || keyword == STOPPERS && record.integer("dir") == 4 {
             // Directions stay as they are.
-        } else if keyword != "MAT_RIGID" && along_axes.iter().any(|k| keyword.starts_with(k))
-            || keyword == "MAT_RIGID" && record.real("cmo") != 0.0
+        } else if along_axes.iter().any(|k| keyword.starts_with(k))
+            && (!["MAT_RIGID", NODAL_BODY].contains(&keyword) || record.real("cmo") != 0.0)
         {
             let message = format!(
                 "{} is in a file that *INCLUDE_TRANSFORM turns, but its degrees of freedom are \

@@ -63,8 +63,12 @@ fn titled<'h>(history: &'h NodeHistory, model: &Model) -> Option<&'h str> {
     (fits(title) && nodes(title).is_some() && nodes(title) == nodes(set)).then_some(title)
 }
 
+/// Returns the card of a history, or `None` if there is none: no card has nodes of a head.
 fn node_card(history: &NodeHistory, model: &Model) -> Option<NodeCard> {
     let name = history.name.as_str();
+    if history.head {
+        return None;
+    }
     if let Some(axes) = history.axes {
         let number = name.strip_prefix("accelerometer ")?.parse().ok()?;
         let same = history.nodes.is_none() && history.ids == axes[..1];

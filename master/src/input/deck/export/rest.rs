@@ -15,7 +15,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
         deck.note("units", LeftReason::NoCard, 1);
         deck.rest.insert("units".into(), job.units.clone().into());
     }
-    let carried = ["safety", "max_cycles", "dt_min_ratio", "mass_scaling_dt", "damping"];
+    let carried = ["safety", "max_cycles", "dt_min_ratio", "mass_scaling_dt", "damping", "dt_max"];
     differing(deck, "time", &job.time, &Time::default(), &carried);
     // Cards allow only intervals above zero.
     let intervals = [

@@ -4,7 +4,7 @@
 use super::faces::{corners, segments, sorted};
 use super::rest::difference;
 use super::writer::unique_names;
-use super::{Blank, CardValue, DeckWriter, Id, Number, contact, named, table_of, value_of};
+use super::{Blank, CardValue, DeckWriter, Id, Number, contact, most, named, table_of, value_of};
 use crate::input::job::{Model, outer_faces};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{ContactInput, TieFailureInput, TieInput, TieLimits};
@@ -17,9 +17,9 @@ enum TieCards {
     /// To a surface.
     Surface(TieSurface),
     /// To the mean motion of nodes.
-    Mean { slaves: Vec<NodeId>, masters: Vec<NodeId> },
+    Mean { slaves: Vec<u64>, masters: Vec<u64> },
     /// From all other nodes of a set to its first one.
-    Node { all: Vec<NodeId> },
+    Node { all: Vec<u64> },
 }
 
 /// A surface to which nodes are tied.
@@ -34,16 +34,23 @@ impl TieCards {
     /// Returns the cards of a tie, or `None` if there are none.
     fn new(tie: &TieInput, model: &Model) -> Option<Self> {
         let nodes = |set: &str| model.mesh.node_sets.get(set).map(|nodes| sorted(nodes));
+        // Weights, and the node that a reader takes, follow the ids of the user. Only nodes of
+        // elements have weights.
+        let moves = |node: &NodeId| model.mesh.nodes.binary_search_by_key(node, |n| n.id).is_ok();
+        let by_id = |set: &str| {
+            let mut ids: Vec<u64> =
+                nodes(set)?.iter().filter(|node| moves(node)).map(|node| node.label()).collect();
+            ids.sort_unstable();
+            Some(ids)
+        };
         if let Some(node) = tie.node {
-            // A reader takes the node with the smallest id.
-            let slaves = nodes(&tie.nodes)?;
-            let first = model.mesh.nodes.iter().map(|n| n.id).find(|id| id.label() == node)?;
-            let is_first = slaves.first().is_some_and(|&other| first < other);
-            let all = [&[first][..], &slaves].concat();
+            let slaves = by_id(&tie.nodes)?;
+            let is_first = slaves.first().is_some_and(|&other| node < other);
+            let all = [&[node][..], &slaves].concat();
             return (is_first && !tie.rotations).then_some(Self::Node { all });
         }
         if let Some(of) = &tie.mean_of {
-            return Some(Self::Mean { slaves: nodes(&tie.nodes)?, masters: nodes(of)? });
+            return Some(Self::Mean { slaves: by_id(&tie.nodes)?, masters: by_id(of)? });
         }
         let Some(set) = &tie.faces else {
             return Some(Self::Surface(TieSurface::Parts(tie.parts.clone())));
@@ -76,7 +83,10 @@ pub fn write(deck: &mut DeckWriter, model: &Model, set: impl Fn(&str) -> CardVal
     let cards: Vec<TieCards> = ties.iter().map_while(|tie| TieCards::new(tie, model)).collect();
     let (with, without) = ties.split_at(cards.len());
     let names = unique_names("tie", ties.iter().map(|tie| tie.name.as_str()));
-    let mut means = 0;
+    // A reader names ties to a mean by their number. No other tie may have such a name.
+    let is_mean = |i: usize| matches!(cards.get(i), Some(TieCards::Mean { .. }));
+    let others = (0..).zip(ties).filter(|(i, _)| !is_mean(*i)).map(|(_, tie)| tie.name.as_str());
+    let mut means = most("interpolation ", others);
     for ((tie, name), cards) in with.iter().zip(&names).zip(cards) {
         match cards {
             TieCards::Surface(surface) => {
@@ -87,22 +97,26 @@ pub fn write(deck: &mut DeckWriter, model: &Model, set: impl Fn(&str) -> CardVal
                     means += 1;
                     deck.keyword("CONSTRAINED_INTERPOLATION");
                     let ddof = if tie.rotations { 123_456 } else { 123 };
-                    deck.card(&[Id(means), Id(slave.label()), Id(ddof)]);
-                    for (place, master) in masters.iter().enumerate() {
+                    deck.card(&[Id(means), Id(slave), Id(ddof)]);
+                    for (place, &master) in masters.iter().enumerate() {
                         let weight = tie.weights.get(place).copied().unwrap_or(1.0);
-                        deck.card(&[Id(master.label()), Id(123), Number(weight)]);
+                        deck.card(&[Id(master), Id(123), Number(weight)]);
                     }
                 }
             }
             TieCards::Node { all } => {
-                let all: Vec<u64> = all.iter().map(|node| node.label()).collect();
                 let set = deck.node_set(&all);
                 deck.keyword("CONSTRAINED_NODE_SET");
                 deck.card(&[Id(set), Id(7)]);
             }
         }
     }
-    without.iter().for_each(|tie| deck.whole("tie", table_of(tie)));
+    for (tie, name) in without.iter().zip(&names[with.len()..]) {
+        // A reader merges entries with the same name.
+        let same = ties.iter().filter(|other| other.name == tie.name).count();
+        let name = if same > 1 && !tie.name.is_empty() { name } else { &tie.name };
+        deck.whole("tie", table_of(&TieInput { name: name.clone(), ..tie.clone() }));
+    }
 }
 
 /// Writes a tie of a node set to a surface.

@@ -229,18 +229,25 @@ pub(in crate::input::deck) fn table_of(entry: &impl Serialize) -> Table {
 }
 
 /// Returns a name for each entry, as on a card of a contact: the given one, or `kind` and its
-/// number if it is empty. If two are equal, all get numbers.
+/// number if it is empty. If two are equal, all get numbers, with another kind than any given name.
 pub(super) fn unique_names<'n>(kind: &str, given: impl Iterator<Item = &'n str>) -> Vec<String> {
     /// Longest name on a card.
     const LONGEST: usize = 70;
-    let numbered = |number: usize| format!("{kind} {number}");
-    let name = |(number, given): (usize, &str)| {
+    let given: Vec<&str> = given.collect();
+    let name = |(number, given): (usize, &&str)| {
         let name: String = line(given).chars().take(LONGEST).collect();
-        if name.is_empty() { numbered(number) } else { name }
+        if name.is_empty() { format!("{kind} {number}") } else { name }
     };
-    let names: Vec<String> = (1..).zip(given).map(name).collect();
+    let names: Vec<String> = (1..).zip(&given).map(name).collect();
     let are_unique = names.iter().collect::<BTreeSet<_>>().len() == names.len();
-    if are_unique { names } else { (1..=names.len()).map(numbered).collect() }
+    if are_unique {
+        return names;
+    }
+    let mut kind = kind.to_string();
+    while given.iter().any(|name| name.starts_with(&kind)) {
+        kind.push('+');
+    }
+    (1..=names.len()).map(|number| format!("{kind} {number}")).collect()
 }
 
 /// Returns a name as the entry of a table.
