@@ -15,7 +15,7 @@ use toml::{Table, Value};
 /// Cards of one tie.
 enum TieCards {
     /// To a surface.
-    Surface(TieSurface),
+    Surface(CardSurface),
     /// To the mean motion of nodes.
     Mean { slaves: Vec<u64>, masters: Vec<u64> },
     /// From all other nodes of a set to its first one.
@@ -23,7 +23,7 @@ enum TieCards {
 }
 
 /// A surface to which nodes are tied.
-enum TieSurface {
+enum CardSurface {
     /// All faces of parts.
     Parts(Vec<u32>),
     /// Single faces, of these parts.
@@ -53,7 +53,7 @@ impl TieCards {
             return Some(Self::Mean { slaves: by_id(&tie.nodes)?, masters: by_id(of)? });
         }
         let Some(set) = &tie.faces else {
-            return Some(Self::Surface(TieSurface::Parts(tie.parts.clone())));
+            return Some(Self::Surface(CardSurface::Parts(tie.parts.clone())));
         };
         // A deck keeps the nodes of the segments, which must hold no other face.
         let free = free_faces(&model.mesh.elements);
@@ -63,7 +63,7 @@ impl TieCards {
         let within = sorted(faces.as_flattened());
         let same = outer_faces(&model.mesh, &free, |_| true, Some(&within)) == found;
         let parts = parts_with(model, &within);
-        same.then_some(Self::Surface(TieSurface::Faces { faces, parts }))
+        same.then_some(Self::Surface(CardSurface::Faces { faces, parts }))
     }
 }
 
@@ -124,11 +124,11 @@ fn to_surface(
     deck: &mut DeckWriter,
     model: &Model,
     (tie, name): (&TieInput, &str),
-    (nodes, surface): (CardValue, TieSurface),
+    (nodes, surface): (CardValue, CardSurface),
 ) {
     let (surface, kind, parts) = match surface {
-        TieSurface::Parts(parts) => (deck.part_set(&parts), 2, parts),
-        TieSurface::Faces { faces, parts } => (segments(deck, &faces), 0, parts),
+        CardSurface::Parts(parts) => (deck.part_set(&parts), 2, parts),
+        CardSurface::Faces { faces, parts } => (segments(deck, &faces), 0, parts),
     };
     let TieKind { keyword, friction, limits, read } = kind_of(tie, model, &parts);
     deck.keyword(&format!("{keyword}_ID"));
