@@ -22,10 +22,11 @@ pub const STACK: Check = Check { name: "stack of blocks", quick: true, run: stac
 pub const CORNER: Check = Check { name: "corner of three walls", quick: true, run: corner };
 
 const SWINGS: &str = "the forces of a contact at rest still oscillate from step to step";
-const ONE_OF_TWO: &str = "of two pairs of facing nodes only one has a force; here the nodes face \
-                          each other with weights of 0.80 and 0.83, so that the plates bend by \
-                          0.07 % of their thickness; with a limit of the weights of 0.85 the row \
-                          passes, at twice the cost of contact of the brick wall";
+const TWINS: &str = "of two pairs of facing nodes, here with weights of 0.80 and 0.83, the deeper \
+                     one has the force (worker/contact/src/pairs/redundant.rs): the other one \
+                     sinks and then closes its gap within a step, so that the plates do not come \
+                     to rest; with a limit of the weights of 0.82 instead of 0.7 the rows pass, at \
+                     twice the cost of contact of the brick wall";
 /// Damping rate [1/s]. Contact forces at rest are too small by half of this in a step, here by a
 /// few thousandths, because damping acts on the bodies but not on contact.
 const DAMPING: f64 = 2e3;
@@ -101,8 +102,8 @@ fn plates(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             let worst = (0..means.len()).map(off).fold(0.0, f64::max);
             let row =
                 CheckRow::new("largest |nodal force / p A of the node - 1|", &variant, "", worst);
-            all.push(row.at_most(if n[0] == m { 0.01 } else { 0.2 }, CATALOGUE).known(ONE_OF_TWO));
-            all.push(run.given_row(&variant));
+            all.push(row.at_most(if n[0] == m { 0.01 } else { 0.2 }, CATALOGUE));
+            all.push(run.given_row(&variant).known(TWINS));
             let rest = run.energies.kinetic / run.energies.external.abs();
             all.push(
                 CheckRow::new(
@@ -114,7 +115,8 @@ fn plates(bench: &Bench) -> Result<Vec<CheckRow>, String> {
                 .at_most(
                     1e-3,
                     "limit of the catalogue, there over internal energy, which is zero here",
-                ),
+                )
+                .known(TWINS),
             );
         }
     }
