@@ -27,7 +27,7 @@ impl ModelPlace {
 /// Largest value of a quantity, and where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
-    /// The value; zero without a place.
+    /// The value, in the unit of the quantity; zero without a place.
     pub value: f64,
     /// Its element or node.
     pub at: ModelPlace,
