@@ -1,7 +1,8 @@
 //! Contact searches and contact laws selected in a job, on seven bodies in collision.
 
 use crumple_tests::program::{crumple_with, root, run};
-use crumple_tests::{case, read, run_alone, run_side_by_side};
+use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
+use crumple_verification::scene::{STEEL, Scene};
 
 /// The search keeps its candidates as long as no node has moved far. It takes the motion of a step
 /// from the range of displacements by velocities, also of the nodes of rigid bodies.
@@ -43,6 +44,40 @@ fn both_searches_give_the_same_bits() {
         });
         assert_eq!(cells.digest(), boxes.digest(), "{workers} workers");
         assert!(cells.pairs == boxes.pairs && cells.pairs.iter().any(|p| !p.is_empty()));
+    }
+}
+
+/// Two plates with meshes that do not match are pressed together, and come to rest. Contact creates
+/// no energy: its work is minus that of the pressure, which closes the gap.
+#[test]
+fn pressed_plates_with_other_meshes_come_to_rest() {
+    const SIDE: f64 = 0.1;
+    const THICKNESS: f64 = 2e-3;
+    for n in [[5, 6], [9, 10]] {
+        let mut scene = Scene::new(4e-3);
+        let grids = [(1, n[0], 0.0), (2, n[1], THICKNESS + 1e-6)]
+            .map(|(part, n, z)| scene.grid(part, [n, n], |x, y| [SIDE * x, SIDE * y, z]));
+        scene.elastic("steel", STEEL);
+        scene.ramp(0.3e-3);
+        for (part, pressure) in [(1, -1e6), (2, 1e6)] {
+            scene.part(part, "steel", THICKNESS, "");
+            scene.add(&format!(
+                "[[pressure]]\nparts = [{part}]\npressure = {pressure:?}\ncurve = \"ramp\""
+            ));
+        }
+        grids.iter().for_each(|grid| scene.fix(grid.all(), "x y rz"));
+        scene.time("damping = 2e3");
+        scene.add("[contact]\nlaw = \"lagrange\"");
+        let mut work = Vec::new();
+        let end = run_alone(&model_of(&scene.text("plates"), &[]), |e| {
+            if e.clock.time > 1e-3 {
+                work.push(e.energies(false).values().contact);
+            }
+        });
+        let [first, last] = [work[0], work[work.len() - 1]];
+        assert!(first < 0.0 && (last / first - 1.0).abs() < 1e-3, "{n:?}: {first} to {last}");
+        let kinetic = end.energies(false).values().kinetic;
+        assert!(kinetic < 1e-3 * first.abs(), "{n:?}: {kinetic}");
     }
 }
 

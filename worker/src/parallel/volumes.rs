@@ -61,11 +61,11 @@ impl VolumeLinks {
         out.dedup();
         let first = self.remote.len();
         for (elem, mark, node) in theirs.filter(|(_, mark, _)| *mark > 0 && !out.is_empty()) {
-            let part = (mark - 1) as u32;
-            let nodes = [Some(node), None, None, None];
-            match self.remote[first..].last_mut().filter(|last| last.elem == elem) {
-                Some(last) => last.add(node),
-                None => self.remote.push(RemoteVolume { elem, part, nodes }),
+            if self.remote[first..].last().is_none_or(|last| last.elem != elem) {
+                self.remote.push(RemoteVolume::new(elem, (mark - 1) as u32));
+            }
+            if let Some(last) = self.remote.last_mut() {
+                last.add(node);
             }
         }
         let received = (self.own.len() + first, self.remote.len() - first);

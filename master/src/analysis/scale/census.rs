@@ -460,7 +460,8 @@ impl Census {
 }
 
 impl Count {
-    /// Returns [`Self::traffic`] with the sums over all workers of the accelerated sweeps.
+    /// Returns [`Self::traffic`] with the reductions over all workers of the accelerated sweeps:
+    /// a sum each, and the largest of a value each if forces are extrapolated.
     pub fn traffic_with_sums(
         &self,
         engine: &Engine,
@@ -469,7 +470,9 @@ impl Count {
     ) -> [f64; 2] {
         let [messages, bytes] = self.traffic(engine, workers);
         let sums = estimate.accelerated_sweeps * messages_of_sum(self.worker, workers) as f64;
-        [messages + sums, bytes + 8.0 * sums * words_of_sum() as f64]
+        let largest = estimate.accelerated_sweeps * MaxReduction::hops(workers) as f64;
+        let words = sums * words_of_sum() as f64 + largest;
+        [messages + sums + largest, bytes + 8.0 * words]
     }
 
     /// Returns the numbers of messages and bytes that the worker sends in a step of a run on

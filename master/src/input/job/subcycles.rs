@@ -78,7 +78,7 @@ impl Neighbours {
             breakable.flat_map(|tie| tie.masters.iter().map(|m| m.0).chain([tie.node])).collect();
         let is_kept = |e: &MeshElement| {
             touches(e.part)
-                || e.shape == Shape::Tet4
+                || matches!(e.shape, Shape::Tet4 | Shape::Wedge6)
                 || !held.is_empty() && e.corners().iter().any(|n| held.contains(n))
         };
         Self {

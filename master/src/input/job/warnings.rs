@@ -2,7 +2,7 @@
 
 use super::state::{ElementStart, NodeStart, deformable_mass, fastest_wave, scaled_mass, smallest};
 use super::units;
-use crumple_proto::job::{ContactInput, Job, Part};
+use crumple_proto::job::{ContactInput, Job, Part, Setting};
 use crumple_proto::mesh::{Mesh, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 
 /// Mass added by mass scaling above which a warning is given, as a fraction of the structure's.
 const MUCH_ADDED: f64 = 0.05;
-/// Poisson's ratio above which wedges are much too stiff.
+/// Poisson's ratio above which solids with constant strain are much too stiff.
 const MUCH_LOCKING: f64 = 0.45;
 /// Step of one element over the median step below which a warning is given.
 const MUCH_SMALLER: f64 = 0.1;
@@ -35,32 +35,33 @@ pub fn of_model(
     warnings.extend(ties_at_walls(settings));
     warnings.extend(much_added_mass(elements));
     warnings.extend(one_small_element(mesh, elements));
-    warnings.extend(wedges_that_lock(job, mesh, elements));
+    warnings.extend(solids_that_lock(job, mesh, elements));
     warnings
 }
 
-/// Warns about parts of wedges that hardly change their volume: a thick cylinder of 8 wedges over
-/// the wall is 23 % too stiff at nu = 0.49 (case C12 of the catalogue).
-fn wedges_that_lock(job: &Job, mesh: &Mesh, elements: &ElementStart) -> Option<Problem> {
+/// Warns about parts of tetrahedra and wedges that hardly change their volume and do not average
+/// their volume strain: a thick cylinder of 8 wedges over the wall is 23 % too stiff at nu = 0.49.
+fn solids_that_lock(job: &Job, mesh: &Mesh, elements: &ElementStart) -> Option<Problem> {
     let poisson = |part: &Part| {
         let material = job.material.iter().find(|m| m.name == part.material)?;
         units::number(material, "poisson")
     };
-    let stiff = job.part.iter().enumerate().filter_map(|(i, p)| Some((i, p, poisson(p)?)));
     // Rigid elements have no stable step.
     let deform = mesh.elements.iter().zip(&elements.stable_dt).filter(|(_, dt)| dt.is_finite());
-    let wedges: BTreeSet<u32> =
-        deform.filter(|(e, _)| e.shape == Shape::Wedge6).map(|(e, _)| e.part).collect();
-    let (i, part, nu) = stiff
-        .filter(|(_, _, nu)| *nu > MUCH_LOCKING)
-        .find(|(_, part, _)| wedges.contains(&part.id))?;
+    let constant = deform.filter(|(e, _)| matches!(e.shape, Shape::Tet4 | Shape::Wedge6));
+    let parts: BTreeSet<u32> = constant.map(|(e, _)| e.part).collect();
+    let locks = |(i, part): (usize, &'_ Part)| {
+        let by_element = part.parameters.get("pressure") == Some(&Setting::from("element"));
+        let nu = poisson(part).filter(|nu| *nu > MUCH_LOCKING)?;
+        (by_element && parts.contains(&part.id)).then(|| (i, part.id, part.name.clone(), nu))
+    };
+    let (i, id, name, nu) = job.part.iter().enumerate().find_map(locks)?;
     let message = format!(
-        "part {} `{}` has wedges and Poisson's ratio {nu}: wedges are too stiff where the volume \
-         cannot change",
-        part.id, part.name
+        "part {id} `{name}` has tetrahedra or wedges, pressure = \"element\" and Poisson's ratio \
+         {nu}: they are too stiff where the volume cannot change"
     );
-    let help = "mesh it with hexahedra or tetrahedra";
-    Some(Problem::warning(format!("part.{i}.material"), message, help))
+    let help = "use pressure = \"nodal\", the default, or hexahedra";
+    Some(Problem::warning(format!("part.{i}.pressure"), message, help))
 }
 
 /// Warns if no node moves and nothing acts on the model.

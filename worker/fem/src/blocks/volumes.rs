@@ -5,12 +5,12 @@
 //! global id. So it has the same bits on every worker.
 
 use super::Blocks;
-use crate::elements::volume_change;
 use crate::nodes::Nodes;
+use crumple_math::row::Row;
 use crumple_proto::ids::ElemId;
 
-/// Number of nodes of an element that averages.
-const NODES: usize = 4;
+/// Largest number of nodes of an element that averages: that of a wedge.
+const MOST_NODES: usize = 6;
 
 /// An element of another worker that averages, with at least one local node.
 #[derive(Clone, Copy, Debug)]
@@ -20,10 +20,15 @@ pub struct RemoteVolume {
     /// Index of its part.
     pub part: u32,
     /// Its local nodes; `None` for the others.
-    pub nodes: [Option<u32>; NODES],
+    pub nodes: [Option<u32>; MOST_NODES],
 }
 
 impl RemoteVolume {
+    /// Creates an element without local nodes.
+    pub fn new(elem: ElemId, part: u32) -> Self {
+        Self { elem, part, nodes: [None; MOST_NODES] }
+    }
+
     /// Adds a local node.
     pub fn add(&mut self, node: u32) {
         if let Some(free) = self.nodes.iter_mut().find(|n| n.is_none()) {
@@ -37,14 +42,16 @@ impl RemoteVolume {
 pub struct NodalVolumes {
     /// Own elements, by block and index in the block.
     own: Vec<[usize; 2]>,
-    /// For each own element, the indices of the means of its nodes.
-    corners: Vec<[u32; NODES]>,
+    /// Start of each own element in `corners`.
+    first_corner: Vec<u32>,
+    /// Indices of the means of the nodes, own element by own element.
+    corners: Vec<u32>,
     /// For each mean, the start of its elements in `elements`.
     start: Vec<u32>,
     /// Indices into `changes`, mean by mean, in ascending element id.
     elements: Vec<u32>,
-    /// Volume in the middle of the step and its change [length^3]: of own elements, then of
-    /// received ones.
+    /// Volume in the middle of the step and its change, each over the number of nodes of the
+    /// element [length^3]: of own elements, then of received ones.
     pub changes: Vec<[f64; 2]>,
     means: Vec<f64>,
 }
@@ -61,50 +68,57 @@ impl NodalVolumes {
     /// elements.
     pub fn new(blocks: &Blocks, own: Vec<[usize; 2]>, remote: &[RemoteVolume]) -> Option<Self> {
         let corner = |node: u32, part: u32, elem: ElemId, index: usize| (part, node, elem, index);
-        let mut around = Vec::with_capacity(NODES * (own.len() + remote.len()));
+        let mut around = Vec::with_capacity(MOST_NODES * (own.len() + remote.len()));
+        let mut first_corner = vec![0];
         for (index, &[block, i]) in own.iter().enumerate() {
             let e = &blocks.elements[blocks.blocks[block].first + i];
-            let nodes = e.nodes[..NODES].iter();
+            let nodes = e.nodes[..e.record.shape.corners()].iter();
             around.extend(nodes.map(|&n| corner(n, e.record.part, e.record.id, index)));
+            first_corner.push(around.len() as u32);
         }
+        let corners = vec![0; around.len()];
         for (index, e) in (own.len()..).zip(remote) {
             around.extend(e.nodes.iter().flatten().map(|&n| corner(n, e.part, e.elem, index)));
         }
         around.sort_unstable();
-        let mut all = Self {
-            corners: vec![[0; NODES]; own.len()],
-            changes: vec![[0.0; 2]; own.len() + remote.len()],
-            ..Self::default()
-        };
-        let mut filled = vec![0; own.len()];
+        let mut all =
+            Self { corners, changes: vec![[0.0; 2]; own.len() + remote.len()], ..Self::default() };
+        let mut next = first_corner.clone();
         for run in around.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let mean = all.start.len() as u32;
             all.start.push(all.elements.len() as u32);
             for &(.., index) in run {
                 all.elements.push(index as u32);
-                if let Some(place) = filled.get_mut(index) {
-                    all.corners[index][*place] = mean;
-                    *place += 1;
+                if index < own.len() {
+                    all.corners[next[index] as usize] = mean;
+                    next[index] += 1;
                 }
             }
         }
         all.means = vec![0.0; all.start.len()];
         all.start.push(all.elements.len() as u32);
-        all.own = own;
+        (all.own, all.first_corner) = (own, first_corner);
         (!all.own.is_empty()).then_some(all)
     }
 
     /// Computes volumes and their changes in the last step, of size `dt` [time], of own elements.
     pub fn measure(&mut self, blocks: &Blocks, nodes: &Nodes, dt: f64) {
-        let view = nodes.view();
+        let row = |[x, y, z, _]: Row| [x, y, z];
         for (change, &[block, i]) in self.changes.iter_mut().zip(&self.own) {
             let b = &blocks.blocks[block];
             let e = &blocks.elements[b.first + i];
             let has_failed =
                 e.record.failed || b.element.can_fail() && b.element.failed(b.state(i));
-            *change = match (has_failed, e.nodes.first_chunk()) {
-                (false, Some(corners)) => volume_change(&view, corners, dt),
-                _ => [0.0; 2],
+            *change = if has_failed {
+                [0.0; 2]
+            } else {
+                let n = e.record.shape.corners();
+                let of = |rows: &[Row]| -> [[f64; 3]; MOST_NODES] {
+                    std::array::from_fn(|c| row(rows[e.nodes[c.min(n - 1)] as usize]))
+                };
+                let [x, v] = [of(&nodes.x), of(&nodes.v)];
+                let part = 1.0 / n as f64;
+                b.element.volume_change([&x[..n], &v[..n]], dt).map(|of_all| part * of_all)
             };
         }
     }
@@ -120,16 +134,19 @@ impl NodalVolumes {
             }
             *mean = if volume > 0.0 { change / volume } else { 0.0 };
         }
-        for (&[block, i], corners) in self.own.iter().zip(&self.corners) {
-            let [a, b, c, d] = corners.map(|mean| self.means[mean as usize]);
-            blocks.blocks[block].set_averaged_volume(i, 0.25 * ((a + b) + (c + d)));
+        for (&[block, i], range) in self.own.iter().zip(self.first_corner.windows(2)) {
+            let corners = &self.corners[range[0] as usize..range[1] as usize];
+            let of = |pair: &[u32]| pair.iter().map(|&mean| self.means[mean as usize]).sum::<f64>();
+            let sum: f64 = corners.chunks(2).map(of).sum();
+            blocks.blocks[block].set_averaged_volume(i, sum / corners.len() as f64);
         }
     }
 
     /// Returns the bytes in use, without unused capacity.
     pub fn bytes(&self) -> usize {
-        let Self { own, corners, start, elements, changes, means } = self;
+        let Self { own, first_corner, corners, start, elements, changes, means } = self;
         size_of_val(&own[..])
+            + size_of_val(&first_corner[..])
             + size_of_val(&corners[..])
             + size_of_val(&start[..])
             + size_of_val(&elements[..])
@@ -154,6 +171,19 @@ mod tests {
     /// Returns two tetrahedra on both sides of a face, of these parts, and their nodes; the apex of
     /// the first one sinks by `sink` in a step of 1.
     fn pair(parts: [u32; 2], sink: f64) -> (Blocks, Nodes) {
+        let below = [0.0, 0.0, -1.0];
+        elements([(parts[0], &[1, 2, 3, 4]), (parts[1], &[1, 3, 2, 5])], &[below], sink)
+    }
+
+    /// Returns a tetrahedron as in `pair` and a wedge below it, of the height 1.
+    fn with_wedge(sink: f64) -> (Blocks, Nodes) {
+        let below = [[0.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 1.0, -1.0]];
+        elements([(0, &[1, 2, 3, 4]), (0, &[5, 6, 7, 1, 2, 3])], &below, sink)
+    }
+
+    /// Returns two elements with ids 7 and 3, by part and nodes, and their nodes. The first three
+    /// nodes are a right triangle of legs 1; node 4 is above it and sinks; those `below` follow.
+    fn elements(two: [(u32, &[u64]); 2], below: &[[f64; 3]], sink: f64) -> (Blocks, Nodes) {
         let part = soft_part();
         let materials = vec![Material {
             name: "soft".into(),
@@ -163,11 +193,11 @@ mod tests {
         }];
         let settings =
             Settings { parts: vec![part.clone(), part], materials, ..testing::settings() };
-        let record = |id: u64, part: u32, nodes: [u64; 4]| ElementRecord {
+        let record = |id: u64, part: u32, nodes: &[u64]| ElementRecord {
             id: ElemId(id),
             part,
-            shape: Shape::Tet4,
-            nodes: corner_nodes(&nodes.map(NodeId)),
+            shape: if nodes.len() == 4 { Shape::Tet4 } else { Shape::Wedge6 },
+            nodes: corner_nodes(&nodes.iter().map(|&n| NodeId(n)).collect::<Vec<_>>()),
             free_faces: 0,
             failed: false,
             own: OwnSection::default(),
@@ -176,24 +206,18 @@ mod tests {
             slow: false,
             stable_dt: f64::INFINITY,
         };
-        let places = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, HEIGHT - sink],
-            [0.0, 0.0, -1.0],
-        ];
-        let mut nodes = testing::nodes_at(&places);
+        let above = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, HEIGHT - sink]];
+        let mut nodes = testing::nodes_at(&[&above[..], below].concat());
         nodes.v[3] = [0.0, 0.0, -sink, 0.0];
         let local = |record: ElementRecord| LocalElement {
-            nodes: record.nodes.map(|n| n.0 as u32 - 1),
+            nodes: record.nodes.map(|n| (n.0 as u32).saturating_sub(1)),
             record,
             shared: false,
             class: Class::Interior,
         };
-        let elements = [record(7, parts[0], [1, 2, 3, 4]), record(3, parts[1], [1, 3, 2, 5])];
-        let elements = elements.map(|record| (local(record), Vec::new())).to_vec();
-        (Blocks::new(&settings, elements), nodes)
+        let all = [7, 3].into_iter().zip(two);
+        let all = all.map(|(id, (part, nodes))| (local(record(id, part, nodes)), Vec::new()));
+        (Blocks::new(&settings, all.collect()), nodes)
     }
 
     fn soft_part() -> Part {
@@ -239,6 +263,29 @@ mod tests {
         near(stored(&mut blocks, &nodes), [0.0, change / mid]);
     }
 
+    /// A tetrahedron counts by a quarter of its volume at each node, a wedge by a sixth.
+    #[test]
+    fn tetrahedra_and_wedges_average_together() {
+        let sink = 0.1;
+        let (mut blocks, nodes) = with_wedge(sink);
+        let (mid, change) = ((HEIGHT - 0.5 * sink) / 6.0, -sink / 6.0);
+        let common = (change / 4.0) / (mid / 4.0 + 0.5 / 6.0);
+        let wanted = [3.0 * common / 6.0, 0.25 * (3.0 * common + change / mid)];
+        for ((_, found), wanted) in stored(&mut blocks, &nodes).into_iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-15, "{found} for {wanted}");
+        }
+        // The wedge alone is strained.
+        let (mut blocks, mut nodes) = with_wedge(0.0);
+        let rate = 0.01;
+        (4..7).for_each(|n| nodes.v[n] = [0.0, 0.0, rate, 0.0]);
+        let [(_, own), (_, other)] = stored(&mut blocks, &nodes)[..] else { panic!("two") };
+        let mid = 0.5 * (1.0 + 0.5 * rate);
+        let strain = -0.5 * rate / mid;
+        let share = mid / 6.0 / (mid / 6.0 + HEIGHT / 24.0);
+        assert!((own - 0.5 * strain * (1.0 + share)).abs() < 1e-15, "{own}");
+        assert!((other - 0.75 * strain * share).abs() < 1e-15, "{other}");
+    }
+
     /// An element of another worker counts at its local nodes, and a failed one does not.
     #[test]
     fn remote_elements_count_and_failed_ones_do_not() {
@@ -252,13 +299,13 @@ mod tests {
             .position(|&[b, i]| blocks.elements[blocks.blocks[b].first + i].record.id == ElemId(3));
         let second = second.expect("it is there");
         let first = own[1 - second];
-        let mut remote =
-            RemoteVolume { elem: ElemId(3), part: 0, nodes: [Some(0), None, None, None] };
+        let mut remote = RemoteVolume::new(ElemId(3), 0);
+        remote.add(0);
         remote.add(1);
         remote.add(2);
         let mut volumes = NodalVolumes::new(&alone, vec![first], &[remote]).expect("own elements");
         volumes.measure(&alone, &nodes, 1.0);
-        volumes.changes[1] = [1.0 / 6.0, 0.0];
+        volumes.changes[1] = [1.0 / 24.0, 0.0];
         volumes.store(&mut alone);
         let column = alone.blocks[first[0]].element.averaged_volume().expect("it averages");
         let found = alone.blocks[first[0]].state(first[1]).at(column);

@@ -60,7 +60,6 @@ pub use cohesive::COHESIVE;
 pub use parameters::HourglassForm;
 pub use pass::{ElementNodalForces, ElementPass, GroupNodes, PassTotals, energy_places};
 pub use section::LARGEST_OFFSET;
-pub use tetrahedron::volume_change;
 
 use crate::columns::ElementState;
 use crate::materials::{self, Cohesive, LayerPoint, PlaneStress, Solid, unknown_name};
@@ -200,6 +199,13 @@ pub trait Element: Send + Sync {
     /// before each pass, if the element averages it (see [`tetrahedron`]).
     fn averaged_volume(&self) -> Option<usize> {
         None
+    }
+
+    /// Returns the volume in the middle of a step [length^3] and its change, at these coordinates
+    /// of the corners and with these velocities, at the end of the step. Only for elements that
+    /// average their volume strain.
+    fn volume_change(&self, _corners: [&[[f64; 3]]; 2], _dt: f64) -> [f64; 2] {
+        [0.0; 2]
     }
 
     /// Returns true if the law of the element with this history has failed at every point, or if

@@ -5,6 +5,7 @@
 
 use super::parameters::{self, DELETE};
 use super::pass::{GroupCorners, GroupNodes};
+use super::section::label;
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
 use crate::materials::tensor::rotated;
@@ -14,6 +15,8 @@ use crate::materials::{
 };
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::{Lane, Real, cross, dot};
+use crumple_proto::job::Part;
+use crumple_proto::problem::Problem;
 
 /// Keys of all solids.
 pub const SOLID_KEYS: &[ParameterRow] = &[
@@ -41,6 +44,40 @@ pub const SOLID_KEYS: &[ParameterRow] = &[
                   that share the masses of nodes, are not deleted for their step.",
     },
 ];
+
+/// Key of solids that average their volume strain at nodes; see
+/// [`tetrahedron`](super::tetrahedron).
+pub const PRESSURE_KEY: &[ParameterRow] = &[ParameterRow {
+    key: "pressure",
+    form: Form::Word(&[NODAL, "element"]),
+    otherwise: DefaultValue::Word(NODAL),
+    range: None,
+    meaning: "Tetrahedra and wedges: volume strain averaged at nodes (`nodal`; in wedges a share \
+              of it, if nu is above 0.3), or that of each element (`element`), which locks as nu \
+              approaches 1/2 and, in tetrahedra, in plastic flow. Foams take that of the element.",
+}];
+const NODAL: &str = "nodal";
+
+/// Returns true if the elements of a part average their volume strain at nodes.
+///
+/// # Errors
+/// It is asked for, and the law does not allow it.
+pub fn averages_volume(
+    part: &Part,
+    values: &Values<'_>,
+    law: &dyn Solid,
+) -> Result<bool, Vec<Problem>> {
+    let nodal = values.word("pressure") == NODAL;
+    if nodal && values.is_given("pressure") && !law.averages_volume() {
+        let message = format!(
+            "part {}: pressure = \"nodal\" does not keep the energy with the law of its material",
+            label(part)
+        );
+        let help = "use pressure = \"element\", the default with foams";
+        return Err(vec![Problem::error("pressure", message, help)]);
+    }
+    Ok(nodal && law.averages_volume())
+}
 
 /// Mark of a solid that was deleted, in the column of failure.
 const DELETED: f64 = 2.0;

@@ -50,7 +50,7 @@ fn tetrahedron() -> Part {
 }
 
 fn wedge() -> Part {
-    part_of("wedge", 0.0).with("bulk_viscosity", [0.0; 2])
+    part_of("wedge", 0.0).with("pressure", "element").with("bulk_viscosity", [0.0; 2])
 }
 
 fn quadratic_tetrahedron() -> Part {

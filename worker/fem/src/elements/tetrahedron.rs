@@ -7,19 +7,19 @@
 //! A mesh has five to six tetrahedra per node, each with one condition on its volume: too many as
 //! nu approaches 1/2, or in plastic flow (volumetric locking). So with `pressure = "nodal"` the
 //! volume strain is that of the nodes (Bonet & Burton 1998). A node a sums over the elements e
-//! around it, and an element takes the mean of its four nodes:
+//! around it, and an element takes the mean of its n_e nodes:
 //! ```text
-//! d_a = sum_e dV_e / sum_e V_e,    d_e = (d_1 + d_2 + d_3 + d_4)/4
+//! d_a = sum_e dV_e/n_e / sum_e V_e/n_e,    d_e = sum_a d_a/n_e
 //! eps <- eps + (d_e - tr eps)/3 I
 //! ```
 //! with V the volume in the middle of the step and dV its change. The forces use the stress of the
 //! element and its own gradient. With one bulk modulus this is the potential of the nodal volumes:
-//! `V_e` times the matrix that averages d is symmetric, so work and stress belong together. Its
-//! eigenvalues are at most 1: the stable step of the element without averaging is safe. A node
-//! averages only over elements of the same part, since a pressure may jump between two materials.
-//! A pressure that is not linear in the volume strain has no such potential: foams do not average,
-//! and rubbers keep the energy as far as their bulk modulus is constant.
-//! A failed element leaves the sums.
+//! `V_e` times the matrix that averages d is symmetric, so work and stress belong together, also
+//! with [`wedge`](super::wedge)s. Its eigenvalues are at most 1: the stable step of the element
+//! without averaging is safe. A node averages only over elements of the same part, since a pressure
+//! may jump between two materials. A pressure that is not linear in the volume strain has no such
+//! potential: foams do not average, and rubbers keep the energy as far as their bulk modulus is
+//! constant. A failed element leaves the sums.
 //!
 //! Stable step as for the hexahedron, with a quarter of the mass at each corner:
 //! `omega^2 <= (4/rho) (2 mu g + max(lambda, 0) tr G)`.
@@ -27,10 +27,9 @@
 //! The shear strain stays constant in an element: coarse meshes are too stiff in bending.
 
 use super::pass::GroupCorners;
-use super::section::label;
 use super::solid::{
-    SOLID_KEYS, STRAIN_LIMIT, SolidMaterial, StressStep, corner, increment, scatter, viscous,
-    work_and_size,
+    PRESSURE_KEY, SOLID_KEYS, STRAIN_LIMIT, SolidMaterial, StressStep, averages_volume, corner,
+    increment, scatter, viscous, work_and_size,
 };
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupNodes,
@@ -39,34 +38,21 @@ use super::{
 use crate::columns::ElementState;
 use crate::materials::{PointLanes, PointReal, Solid};
 use crate::nodes::NodeView;
-use crate::parameter::{DefaultValue, Form, ParameterRow, Values};
+use crate::parameter::Values;
 use crumple_math::lanes::{Real, cross, dot};
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
-use crumple_proto::problem::Problem;
 
 /// The row of this element.
 pub const ROW: ElementEntry = ElementEntry {
     name: "tetrahedron",
     meaning: "Four nodes, one point, volume strain averaged at nodes.",
     shape: Shape::Tet4,
-    parameters: [
-        &[ParameterRow {
-            key: "pressure",
-            form: Form::Word(&[NODAL, "element"]),
-            otherwise: DefaultValue::Word(NODAL),
-            range: None,
-            meaning: "Tetrahedra: volume strain averaged at nodes (`nodal`), or that of each \
-                      element (`element`), which locks as nu approaches 1/2 and in plastic flow. \
-                      Foams take that of the element.",
-        }],
-        SOLID_KEYS,
-    ],
+    parameters: [PRESSURE_KEY, SOLID_KEYS],
     idle: |_| &[],
     build: Constructor::Solid(build),
 };
 
-const NODAL: &str = "nodal";
 /// Number of columns after the law's state: volume at the start [length^3], bulk viscosity
 /// [force/length^2], volume strain increment of the nodes.
 const OWN: usize = 3;
@@ -81,35 +67,8 @@ pub struct Tetrahedron {
 }
 
 fn build(part: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult {
-    let nodal = values.word("pressure") == NODAL;
-    if nodal && values.is_given("pressure") && !law.averages_volume() {
-        let message = format!(
-            "part {}: pressure = \"nodal\" does not keep the energy with the law of its material",
-            label(part)
-        );
-        let help = "use pressure = \"element\", the default with foams";
-        return Err(vec![Problem::error("pressure", message, help)]);
-    }
-    let averages = nodal && law.averages_volume();
+    let averages = averages_volume(part, values, &*law)?;
     Ok(Box::new(Tetrahedron { material: SolidMaterial::new(values, law), averages }))
-}
-
-/// Returns the volume of a tetrahedron in the middle of a step [length^3] and its change, at these
-/// nodes, with their velocities, at the end of the step.
-pub fn volume_change(nodes: &NodeView<'_>, corners: &[u32; NODES], dt: f64) -> [f64; 2] {
-    let at = |rows: &[[f64; 4]], c: usize| {
-        let [from, to] = [rows[corners[0] as usize], rows[corners[c] as usize]];
-        [to[0] - from[0], to[1] - from[1], to[2] - from[2]]
-    };
-    let back = 0.5 * dt;
-    let v: [[f64; 3]; 3] = std::array::from_fn(|k| at(nodes.v, k + 1));
-    let mid: [[f64; 3]; 3] = std::array::from_fn(|k| {
-        let x = at(nodes.x, k + 1);
-        std::array::from_fn(|i| back.neg_mul_add(v[k][i], x[i]))
-    });
-    let gradient = TetrahedronGradient::new(&mid);
-    let trace = (0..3).map(|k| dot(gradient.b[k], v[k])).sum::<f64>();
-    [gradient.volume6 / 6.0, dt * trace / 6.0]
 }
 
 /// Volume and gradient at given coordinates.
@@ -371,6 +330,16 @@ impl Element for Tetrahedron {
 
     fn averaged_volume(&self) -> Option<usize> {
         self.averages.then_some(self.material.state + OWN - 1)
+    }
+
+    fn volume_change(&self, [x, v]: [&[[f64; 3]]; 2], dt: f64) -> [f64; 2] {
+        let (x, v) = (edges(x), edges(v));
+        let back = 0.5 * dt;
+        let mid: [[f64; 3]; 3] =
+            std::array::from_fn(|k| std::array::from_fn(|i| back.neg_mul_add(v[k][i], x[k][i])));
+        let gradient = TetrahedronGradient::new(&mid);
+        let trace = (0..3).map(|k| dot(gradient.b[k], v[k])).sum::<f64>();
+        [gradient.volume6 / 6.0, dt * trace / 6.0]
     }
 
     fn is_unstrained(&self, history: ElementState<'_>) -> bool {

@@ -36,8 +36,8 @@ fn one_of_two_pairs_of_facing_nodes_has_a_force() {
     }
 }
 
-/// The deeper pair of the two has the force. The upper plate is warped, so that the gaps of the two
-/// pairs differ.
+/// At the first touch the deeper pair of the two has the force. The upper plate is warped, so that
+/// the gaps of the two pairs differ.
 #[test]
 fn the_deeper_pair_has_the_force() {
     for iteration in ["split", "gauss_seidel"] {
@@ -58,6 +58,80 @@ fn the_deeper_pair_has_the_force() {
         }
         assert!(compared > 0, "{iteration}: {pairs:?}");
     }
+}
+
+/// The pair that has the force keeps it, also if the other one is deeper in later steps.
+#[test]
+fn the_force_stays_with_its_pair() {
+    for iteration in ["split", "gauss_seidel"] {
+        let mut scene = warping(iteration);
+        let first = pressing(&mut scene);
+        assert_eq!(first.len(), 4, "{iteration}");
+        for step in 1..6 {
+            assert_eq!(pressing(&mut scene), first, "{iteration}, step {step}");
+        }
+    }
+}
+
+/// A pair without force that sinks too deep gets a force of its own. Strips of two segments each
+/// are pressed together. The middle nodes face each other with weights of 0.9. One end of the lower
+/// strip is pressed harder, so that the upper middle nodes sink.
+#[test]
+fn a_pair_that_sinks_gets_a_force() {
+    for iteration in ["split", "gauss_seidel"] {
+        let strip = |x: f64, z: f64| {
+            (0..6).map(move |i| mass([x + f64::from(i % 3), f64::from(i / 3), z], [0.0; 3], 1.0))
+        };
+        let points: Vec<NodeRecord> = strip(0.0, 0.0).chain(strip(0.1, THICK)).collect();
+        let segments = [0, 1, 6, 7].map(|i| [i, i + 1, i + 4, i + 3]);
+        let slaves: Vec<u32> = (0..12).collect();
+        let job = job("lagrange").with("iteration", iteration);
+        let mut scene = Scene::new(&job, &points, &segments, &slaves, 1e-3);
+        for i in 0..12 {
+            scene.load[i].z = if i < 6 { 10.0 } else { -10.0 };
+        }
+        scene.step();
+        for end in [2, 5] {
+            scene.load[end].z = 100.0;
+        }
+        // Force and relative depth of the pair of a node.
+        let state = |scene: &Scene, node: u32| {
+            let is_of = |p: &&Pair| p.key.is_node() && p.nodes[0] == node;
+            let pair = *scene.pairs().iter().find(is_of).expect("the node touches");
+            (pair.force.norm(), pair.penetration / pair.contact_thickness)
+        };
+        let mut depth = 0.0;
+        while depth < 0.01 {
+            scene.step();
+            let [lower, upper] = [1, 7].map(|node| state(&scene, node));
+            assert!(upper.1 > depth, "{iteration}: {upper:?} does not sink from {depth}");
+            depth = upper.1;
+            let forced = [lower, upper].map(|(force, _)| force > 0.0);
+            assert_eq!(forced[1], depth >= 0.01, "{iteration}: {upper:?}");
+            assert!(forced[0] || forced[1], "{iteration}: {lower:?}, {upper:?}");
+        }
+        assert!(depth < 0.012, "{iteration}: {depth}");
+        scene.step();
+        assert!(state(&scene, 7).1 < depth, "{iteration}: the gap closes");
+    }
+}
+
+/// Returns plates under loads that differ from corner to corner, so that they warp.
+fn warping(iteration: &str) -> Scene {
+    let low = 1e-4 * THICK;
+    let mut scene = plates(0.02, [0.0, low, 0.0, low], iteration);
+    for i in 0..8 {
+        let load = 100.0 + 10.0 * (i % 3) as f64;
+        scene.load[i].z = if i < 4 { load } else { -load };
+    }
+    scene
+}
+
+/// Makes a step, and returns the corners whose pairs have a force.
+fn pressing(scene: &mut Scene) -> Vec<u32> {
+    scene.step();
+    let corners = scene.pairs().iter().filter(|p| p.key.is_node() && p.force.norm() > 0.0);
+    corners.map(|p| p.nodes[0]).collect()
 }
 
 /// Nodes that face the inside of a segment are slaves of their own, whatever faces them.
