@@ -5,7 +5,8 @@
 #   deploy/package.sh                 # optimised, as they are given away
 #   deploy/package.sh --profile dev   # to try the script
 #
-# It needs cargo, a C library for static programs (Debian: libc6-dev) and python3 with pip and venv.
+# It needs cargo, binutils, a C library for static programs (Debian: libc6-dev) and python3 with pip
+# and venv.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -31,8 +32,10 @@ folder=$(cargo metadata --format-version 1 --no-deps |
 [[ $profile == dev ]] && folder=$folder/debug || folder=$folder/$profile
 version=$("$folder/crumple" --version | cut -d ' ' -f 2)
 binary=crumple-$version-$target
-cp "$folder/crumple" "$dist/$binary"
-if ldd "$dist/$binary" >/dev/null 2>&1; then
+# Without the tables for debuggers, which are most of the file; messages of panics stay complete.
+strip --strip-debug -o "$dist/$binary" "$folder/crumple"
+# A static program is no error for ldd, which then lists no library.
+if ldd "$dist/$binary" 2>/dev/null | grep -q '=>'; then
     echo "package: ERROR: $dist/$binary needs shared libraries" >&2
     exit 1
 fi
