@@ -47,6 +47,7 @@ pub const PARAMETERS: [&[ParameterRow]; 2] = [
             meaning: "Hourglass control (`cases/studies/README.md`, hourglass).",
         },
         parameters::coefficient_of_shell(
+            0.03,
             "Hourglass coefficient: fraction of the stiffness of the element, or of critical \
              damping. Hourglass forces of shells with a plastic law are bounded with every \
              form of control. See `cases/studies/README.md`, hourglass.",

@@ -55,6 +55,7 @@ pub const ROW: ElementEntry = ElementEntry {
         parameters::OF_SHELLS,
         &[
             parameters::coefficient_of_shell(
+                0.03,
                 "Fraction of the stiffness of the mode that its penalty has. See \
                  `cases/studies/README.md`, hourglass.",
             ),

@@ -1,7 +1,6 @@
 //! Keys of `[[part]]` that several formulations use. A formulation publishes its keys in its row
 //! of `ELEMENTS`.
 
-use super::section::label;
 use crate::materials::MAX_POINTS;
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_proto::job::Part;
@@ -118,7 +117,7 @@ pub(super) fn is_membrane(part: &Part, values: &Values<'_>) -> Result<bool, Vec<
     let membrane = values.flag("membrane");
     if membrane && !(part.layer.is_empty() && part.angles.is_empty()) {
         let key = if part.layer.is_empty() { "angles" } else { "layer" };
-        let message = format!("part {}: a membrane has one point and no layers", label(part));
+        let message = format!("part {}: a membrane has one point and no layers", part.label());
         let help = format!("remove `membrane`, or `{key}` and give the part a thickness");
         return Err(vec![Problem::error(key, message, help)]);
     }
@@ -156,12 +155,12 @@ pub(super) fn deletes_inverted(values: &Values<'_>) -> bool {
     values.word("inverted") == DELETE
 }
 
-/// Returns the row of the hourglass coefficient of a shell.
-pub(super) const fn coefficient_of_shell(meaning: &'static str) -> ParameterRow {
+/// Returns the row of the hourglass coefficient of a shell, with its default.
+pub(super) const fn coefficient_of_shell(default: f64, meaning: &'static str) -> ParameterRow {
     ParameterRow {
         key: "hourglass_coefficient",
         form: Form::Number,
-        otherwise: DefaultValue::Number(0.03),
+        otherwise: DefaultValue::Number(default),
         range: Some(Range {
             wanted: "from 0 to 1 (0.01 to 0.1 is usual)",
             fits: |r| (0.0..=1.0).contains(&r),

@@ -66,9 +66,10 @@ pub const ROW: ElementEntry = ElementEntry {
     parameters: [
         parameters::OF_SHELLS,
         &[parameters::coefficient_of_shell(
+            0.01,
             "Smallest fraction of its elastic stabilisation that remains in plastic flow. \
              Hourglass forces of shells with a plastic law are bounded. See \
-             `cases/studies/README.md`, hourglass.",
+             `cases/studies/README.md`, crush-floor.",
         )],
     ],
     idle: |_| &[],
