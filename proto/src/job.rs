@@ -463,6 +463,15 @@ fn two() -> usize {
 }
 
 impl Part {
+    /// Returns the id in messages, with the name if there is one.
+    pub fn label(&self) -> String {
+        if self.name.is_empty() {
+            self.id.to_string()
+        } else {
+            format!("{} ({})", self.id, self.name)
+        }
+    }
+
     /// Returns the names of the materials of its elements, each once: that of the part, or those of
     /// its layers.
     pub fn materials(&self) -> Vec<&str> {

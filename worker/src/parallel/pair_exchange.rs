@@ -348,7 +348,7 @@ pub struct TrafficEstimate {
     pub words: [f64; 2],
     /// Number of sweeps with a message for each phase of pairs in order.
     pub phased_sweeps: f64,
-    /// Number of accelerated sweeps, each with a sum over all workers.
+    /// Number of accelerated sweeps, each with a sum and a maximum over all workers.
     pub accelerated_sweeps: f64,
 }
 

@@ -90,6 +90,8 @@ pub struct ElementStart {
     /// Stable step with mass scaling, before the safety factor; infinite for rigid elements and
     /// skins [time].
     pub stable_dt: Vec<f64>,
+    /// True if it averages its volume strain with its neighbours.
+    pub averages: Vec<bool>,
     /// True if it is computed in the first cycle of an outer step only; empty without subcycles.
     pub slow: Vec<bool>,
 }
@@ -290,6 +292,7 @@ pub fn elements(
             |body: &RigidBody| body.window.is_none() && body.parts.contains(&(part as u32));
         let rigid = settings.rigid.iter().position(is_rigid);
         start.part.push(part as u32);
+        start.averages.push(formulation.averaged_volume().is_some());
         start.mass.push(mass);
         start.share.push(1.0);
         let idle = rigid.is_some() || settings.parts[part].skin;

@@ -10,7 +10,7 @@ use super::state::ElementStart;
 use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Time;
-use crumple_proto::mesh::{MAX_CORNERS, Mesh, MeshElement, Shape};
+use crumple_proto::mesh::{MAX_CORNERS, Mesh, MeshElement};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
@@ -60,7 +60,7 @@ struct Neighbours {
 }
 
 impl Neighbours {
-    fn new(time: &Time, mesh: &Mesh, settings: &Settings) -> Self {
+    fn new(time: &Time, mesh: &Mesh, settings: &Settings, averages: &[bool]) -> Self {
         let place: HashMap<NodeId, u32> =
             mesh.nodes.iter().zip(0..).map(|(n, i)| (n.id, i)).collect();
         let places = |nodes: &mut dyn Iterator<Item = NodeId>| -> Vec<u32> {
@@ -76,16 +76,16 @@ impl Neighbours {
         let breakable = settings.ties.iter().filter(|tie| tie.failure.is_some());
         let held: HashSet<NodeId> =
             breakable.flat_map(|tie| tie.masters.iter().map(|m| m.0).chain([tie.node])).collect();
-        let is_kept = |e: &MeshElement| {
+        let is_kept = |(e, &averages): (&MeshElement, &bool)| {
             touches(e.part)
-                || matches!(e.shape, Shape::Tet4 | Shape::Wedge6)
+                || averages
                 || !held.is_empty() && e.corners().iter().any(|n| held.contains(n))
         };
         Self {
             elements: mesh.elements.iter().map(|e| e.nodes.map(|n| place[&n])).collect(),
             joined: settings.ties.iter().map(tied).chain(bodies).collect(),
             nodes: mesh.nodes.len(),
-            kept: mesh.elements.iter().map(is_kept).collect(),
+            kept: mesh.elements.iter().zip(averages).map(is_kept).collect(),
         }
     }
 
@@ -131,13 +131,13 @@ pub fn divide(
     if settings.subcycles <= 1 {
         return;
     }
-    let neighbours = Neighbours::new(time, mesh, settings);
+    let neighbours = Neighbours::new(time, mesh, settings, &elements.averages);
     elements.slow = neighbours.slow(settings.subcycles, time.subcycle_layers, &elements.stable_dt);
     if !elements.slow.contains(&true) {
         let message = format!(
             "subcycles = {} leaves no slow element: a slow element is stable at the outer step, is \
-             not near a small one, is not in contact and is no tetrahedron; all elements are \
-             computed in each cycle",
+             not near a small one, is not in contact and does not average its volume strain; all \
+             elements are computed in each cycle",
             settings.subcycles
         );
         let help =
@@ -179,7 +179,7 @@ pub fn best(
     if choices.is_empty() {
         return None;
     }
-    let neighbours = Neighbours::new(time, mesh, settings);
+    let neighbours = Neighbours::new(time, mesh, settings, &elements.averages);
     let slow = |m: u64| {
         neighbours.slow(m, time.subcycle_layers, stable_dt).into_iter().filter(|&slow| slow).count()
     };

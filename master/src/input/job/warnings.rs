@@ -53,11 +53,11 @@ fn solids_that_lock(job: &Job, mesh: &Mesh, elements: &ElementStart) -> Option<P
     let locks = |(i, part): (usize, &'_ Part)| {
         let by_element = part.parameters.get("pressure") == Some(&Setting::from("element"));
         let nu = poisson(part).filter(|nu| *nu > MUCH_LOCKING)?;
-        (by_element && parts.contains(&part.id)).then(|| (i, part.id, part.name.clone(), nu))
+        (by_element && parts.contains(&part.id)).then(|| (i, part.label(), nu))
     };
-    let (i, id, name, nu) = job.part.iter().enumerate().find_map(locks)?;
+    let (i, label, nu) = job.part.iter().enumerate().find_map(locks)?;
     let message = format!(
-        "part {id} `{name}` has tetrahedra or wedges, pressure = \"element\" and Poisson's ratio \
+        "part {label} has tetrahedra or wedges, pressure = \"element\" and Poisson's ratio \
          {nu}: they are too stiff where the volume cannot change"
     );
     let help = "use pressure = \"nodal\", the default, or hexahedra";
@@ -103,7 +103,7 @@ fn parts_without_elements(
     let parts = (0u32..).zip(&settings.parts);
     parts.filter(|(index, _)| !elements.part.contains(index)).map(|(_, part)| {
         let place = job.part.iter().position(|p| p.id == part.id).unwrap_or(0);
-        let message = format!("part {} `{}` has no elements", part.id, part.name);
+        let message = format!("part {} has no elements", part.label());
         let help = "remove it, or check the part ids of the mesh";
         Problem::warning(format!("part.{place}.id"), message, help)
     })

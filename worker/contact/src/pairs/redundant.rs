@@ -29,8 +29,8 @@ use std::cmp::Ordering;
 const FACING: f64 = 0.85;
 /// Largest cosine of the angle between the normals of the two pairs.
 const OPPOSITE: f64 = -0.9;
-/// Gaps are compared in units of this fraction of the contact thickness. So round-off does not
-/// change from step to step which pair gets the force.
+/// Gaps at the first touch are compared in units of this fraction of the contact thickness, so that
+/// round-off does not decide which pair gets the force.
 const RESOLUTION: f64 = 1e-6;
 /// Depth to which a pair without force may sink, as a fraction of the contact thickness. A pair
 /// that gets a force closes its gap, which adds energy, so this is to be rare: plates of 9 by 9 and
@@ -50,9 +50,9 @@ fn gap(pair: &Pair) -> f64 {
     -pair.penetration - pair.tolerated_gap
 }
 
-/// Returns true if the pair had no force in the step before.
-fn had_no_force(pair: &Pair) -> bool {
-    pair.force == V3::zeros()
+/// Returns true if the pair had a force in the step before.
+fn had_force(pair: &Pair) -> bool {
+    pair.force != V3::zeros()
 }
 
 /// Orders pairs by depth, the deepest first, then by key.
@@ -64,10 +64,10 @@ fn by_depth(a: &Pair, b: &Pair) -> Ordering {
 
 /// Returns true if `other` closes the gap of its twin `pair`, which needs no force then.
 fn replaces(other: &Pair, pair: &Pair) -> bool {
-    match [other, pair].map(had_no_force) {
-        [_, false] => false,
-        [false, true] => gap(pair) >= -SINK_LIMIT * pair.contact_thickness,
-        [true, true] => by_depth(other, pair).is_lt(),
+    match [other, pair].map(had_force) {
+        [_, true] => false,
+        [true, false] => gap(pair) >= -SINK_LIMIT * pair.contact_thickness,
+        [false, false] => by_depth(other, pair).is_lt(),
     }
 }
 
@@ -82,7 +82,7 @@ impl PairTable {
         peers: &mut impl Peers,
         is_iterated: impl Fn(&Pair) -> bool,
     ) -> Result<(), RankLost> {
-        let redundant = |p: &Pair| p.is_owned && is_iterated(p) && self.has_twin_with_force(p);
+        let redundant = |p: &Pair| p.is_owned && is_iterated(p) && self.is_replaced(p);
         let mut flags: Vec<bool> = self.pairs.iter().map(redundant).collect();
         if peers.has_shared_pairs() {
             peers.exchange_flags(&mut flags)?;
@@ -94,9 +94,9 @@ impl PairTable {
         Ok(())
     }
 
-    /// Returns true if a deeper pair of the same interface closes the same gap. Its owner and the
-    /// owner of `pair` both know both pairs, because each pair acts on the slave of the other.
-    fn has_twin_with_force(&self, pair: &Pair) -> bool {
+    /// Returns true if another pair of the same interface closes the same gap in its place. Its owner
+    /// and the owner of `pair` both know both pairs, because each pair acts on the slave of the other.
+    fn is_replaced(&self, pair: &Pair) -> bool {
         let Some(faced) = faced_node(pair) else { return false };
         let Ok(place) = self.touched.binary_search(&faced) else { return false };
         let is_twin = |&(q, role): &(u32, u8)| {

@@ -50,8 +50,8 @@ pub struct NodalVolumes {
     start: Vec<u32>,
     /// Indices into `changes`, mean by mean, in ascending element id.
     elements: Vec<u32>,
-    /// Volume in the middle of the step and its change, each over the number of nodes of the
-    /// element [length^3]: of own elements, then of received ones.
+    /// Volume in the middle of the step and its change, each times the averaged share and over the
+    /// number of nodes of the element [length^3]: of own elements, then of received ones.
     pub changes: Vec<[f64; 2]>,
     means: Vec<f64>,
 }
@@ -264,13 +264,15 @@ mod tests {
         near(stored(&mut blocks, &nodes), [0.0, change / mid]);
     }
 
-    /// A tetrahedron counts by a quarter of its volume at each node, a wedge by a sixth.
+    /// A tetrahedron counts by a quarter of its volume at each node, a wedge by a sixth of the share
+    /// that it averages: 1 - 13/14 at nu = 0.4.
     #[test]
     fn tetrahedra_and_wedges_average_together() {
         let sink = 0.1;
         let (mut blocks, nodes) = with_wedge(sink);
         let (mid, change) = ((HEIGHT - 0.5 * sink) / 6.0, -sink / 6.0);
-        let common = (change / 4.0) / (mid / 4.0 + 0.5 / 6.0);
+        let averaged = 1.0 / 14.0;
+        let common = (change / 4.0) / (mid / 4.0 + averaged * 0.5 / 6.0);
         let wanted = [3.0 * common / 6.0, 0.25 * (3.0 * common + change / mid)];
         for ((_, found), wanted) in stored(&mut blocks, &nodes).into_iter().zip(wanted) {
             assert!((found - wanted).abs() < 1e-15, "{found} for {wanted}");
@@ -282,9 +284,28 @@ mod tests {
         let [(_, own), (_, other)] = stored(&mut blocks, &nodes)[..] else { panic!("two") };
         let mid = 0.5 * (1.0 + 0.5 * rate);
         let strain = -0.5 * rate / mid;
-        let share = mid / 6.0 / (mid / 6.0 + HEIGHT / 24.0);
+        let weight = averaged * mid / 6.0;
+        let share = weight / (weight + HEIGHT / 24.0);
         assert!((own - 0.5 * strain * (1.0 + share)).abs() < 1e-15, "{own}");
         assert!((other - 0.75 * strain * share).abs() < 1e-15, "{other}");
+    }
+
+    /// The pressure of a tetrahedron changes with the strain of a wedge as that of the wedge with
+    /// the strain of the tetrahedron, times the share that the wedge averages: stress and strain
+    /// have a potential.
+    #[test]
+    fn tetrahedra_and_wedges_have_a_potential() {
+        let small = 1e-6;
+        let averaged = 1.0 / 14.0;
+        let [tetrahedron, wedge] = [HEIGHT / 6.0, 0.5];
+        // Strains of one element, and what the other one averages.
+        let (mut blocks, nodes) = with_wedge(small);
+        let of_wedge = stored(&mut blocks, &nodes)[0].1 / (-small / HEIGHT);
+        let (mut blocks, mut nodes) = with_wedge(0.0);
+        (4..7).for_each(|n| nodes.v[n] = [0.0, 0.0, small, 0.0]);
+        let of_tetrahedron = stored(&mut blocks, &nodes)[1].1 / -small;
+        let (one, other) = (averaged * wedge * of_wedge, tetrahedron * of_tetrahedron);
+        assert!((one / other - 1.0).abs() < 1e-5, "{one} {other}");
     }
 
     /// An element of another worker counts at its local nodes, and a failed one does not.

@@ -42,7 +42,6 @@ mod tests;
 use self::preload::Preload;
 use self::section::FibreSection;
 use super::fibre::FibreMaterial;
-use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
     SingleElement,
@@ -110,7 +109,7 @@ pub struct Beam {
 fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
-        problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));
+        problems.push(Problem::error(key, format!("part {}: {what}", part.label()), help));
     };
     let Some(beam) = &part.beam else {
         say("beam", "it has beams but no cross section".into(), "add [part.beam] with a section");

@@ -27,7 +27,6 @@
 #[cfg(test)]
 mod tests;
 
-use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
     SingleElement,
@@ -112,7 +111,7 @@ pub struct CohesiveElement {
 
 fn build(part: &Part, values: &Values<'_>, law: Box<dyn Cohesive>) -> ElementResult {
     if part.skin {
-        let message = format!("part {}: cohesive elements cannot be a skin", label(part));
+        let message = format!("part {}: cohesive elements cannot be a skin", part.label());
         return Err(vec![Problem::error("skin", message, "remove it")]);
     }
     let scale = if values.word("integration") == GAUSS { 1.0 / 3.0_f64.sqrt() } else { 1.0 };

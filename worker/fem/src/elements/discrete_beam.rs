@@ -24,7 +24,6 @@
 #[cfg(test)]
 mod tests;
 
-use super::section::label;
 use super::spring::{ELONGATION, RATE, force_line};
 use super::{
     Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass, ElementResult,
@@ -86,7 +85,7 @@ fn build(part: &Part) -> ElementResult {
 fn read(part: &Part) -> Result<DiscreteBeam, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
-        problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));
+        problems.push(Problem::error(key, format!("part {}: {what}", part.label()), help));
     };
     let Some(input) = &part.discrete_beam else {
         say("discrete_beam", "it has no [part.discrete_beam]".into(), "add it");

@@ -38,7 +38,6 @@ mod modes;
 
 use self::hourglass::{Hourglass, HourglassStep, apply};
 use self::modes::{Gradient, HOURGLASS_MODES, HexahedronModes, gather, modes_of_corners, scatter};
-use super::section::label;
 use super::solid::{
     SOLID_KEYS, STRAIN_LIMIT, SolidMaterial, StressStep, increment, viscous, work_and_size,
 };
@@ -109,7 +108,7 @@ fn build(part: &Part, values: &Values<'_>, law: Box<dyn Solid>) -> ElementResult
     let fluid = law.viscosity().is_some();
     let asked = HourglassForm::from_word(&values.word("hourglass"));
     if fluid && values.is_given("hourglass") && asked != HourglassForm::Viscous {
-        let message = format!("part {}: hourglass = \"{}\" of a fluid", label(part), asked.word());
+        let message = format!("part {}: hourglass = \"{}\" of a fluid", part.label(), asked.word());
         let help = "a fluid has no stiffness against a change of shape: use \"viscous\", which is \
                     its default";
         return Err(vec![Problem::error("hourglass", message, help)]);

@@ -202,10 +202,13 @@ pub trait Element: Send + Sync {
     }
 
     /// Returns the volume in the middle of a step [length^3] and its change, at these coordinates
-    /// of the corners and with these velocities, at the end of the step. Only for elements that
-    /// average their volume strain.
+    /// of the corners and with these velocities, at the end of the step; both times the share of
+    /// its volume strain that the element averages.
+    ///
+    /// # Panics
+    /// The element does not average its volume strain.
     fn volume_change(&self, _corners: [&[[f64; 3]]; 2], _dt: f64) -> [f64; 2] {
-        [0.0; 2]
+        unreachable!("only elements with `averaged_volume` are asked")
     }
 
     /// Returns true if the law of the element with this history has failed at every point, or if
@@ -356,8 +359,7 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
     let lawless = matches!(row.as_ref().map(|row| row.build), Ok(Constructor::Discrete(_)));
     if index.is_none() && !lawless {
         let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
-        let what =
-            format!("part {}: there is no material '{}'", section::label(part), part.material);
+        let what = format!("part {}: there is no material '{}'", part.label(), part.material);
         note(
             format!("part.{part_index}"),
             vec![unknown_name("material", what, &part.material, &names)],
@@ -366,10 +368,8 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
     let of_shells = [("layer", part.layer.is_empty()), ("angles", part.angles.is_empty())];
     let is_shell = matches!(shape, Shape::Quad4 | Shape::Tri3);
     for (key, _) in of_shells.into_iter().filter(|(_, empty)| !empty && !is_shell) {
-        let message = format!(
-            "part {}: `{key}` is for shells, and it has other elements",
-            section::label(part)
-        );
+        let message =
+            format!("part {}: `{key}` is for shells, and it has other elements", part.label());
         let help = format!("remove `{key}`, or move the other elements to another part");
         note(format!("part.{part_index}"), vec![Problem::error(key, message, help)]);
     }
@@ -377,7 +377,7 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
         !layer.material.is_empty() && materials.iter().all(|m| m.name != layer.material)
     }) {
         let names: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();
-        let label = section::label(part);
+        let label = part.label();
         let what =
             format!("part {label}, layer {}: there is no material '{}'", k + 1, layer.material);
         let path = format!("layer.{k}.material");
@@ -401,7 +401,7 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
             let message = format!(
                 "material '{}': {key} is for shells, and part {} has beams or trusses",
                 material.name,
-                section::label(part)
+                part.label()
             );
             let found = vec![Problem::error(key, message, "give them a material without it")];
             law_problems(index, found);
@@ -517,7 +517,7 @@ fn with_values(
     part: &Part,
     build: impl FnOnce(&Values<'_>) -> ElementResult,
 ) -> ElementResult {
-    let owner = format!("part {}", section::label(part));
+    let owner = format!("part {}", part.label());
     let values = row.values(part);
     let missing = |row: &ParameterRow| {
         let message = format!("{owner} has no `{}`", row.key);
@@ -561,7 +561,7 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
         ("particles", part.particles.is_some(), Shape::Point1),
     ];
     if let Some((key, ..)) = sections.into_iter().find(|(_, given, own)| *given && shape != *own) {
-        let what = format!("part {}: it has [part.{key}] and other elements", section::label(part));
+        let what = format!("part {}: it has [part.{key}] and other elements", part.label());
         let help = format!("remove [part.{key}], or move the other elements to another part");
         return Err(Problem::error(key, what, help));
     }
@@ -579,7 +579,7 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
         && !ELEMENTS.iter().filter(is_solid).any(|row| row.name == name)
     {
         let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
-        let what = format!("part {}: there is no element '{name}'", section::label(part));
+        let what = format!("part {}: there is no element '{name}'", part.label());
         return Err(unknown_name("element", what, name, &names));
     }
     let row =
@@ -587,8 +587,7 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     row.ok_or_else(|| {
         let names: Vec<_> = ELEMENTS.iter().filter(of_shape).map(|row| row.name).collect();
         let (corners, name) = (shape.corners(), wanted.unwrap_or_default());
-        let what =
-            format!("part {}: there is no {corners}-node element '{name}'", section::label(part));
+        let what = format!("part {}: there is no {corners}-node element '{name}'", part.label());
         unknown_name("element", what, name, &names)
     })
 }

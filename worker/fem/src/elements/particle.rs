@@ -25,7 +25,6 @@
 //! Left out: shear stress, heat, change of h with the density, corrections of the kernel at free
 //! surfaces, damping of the tensile instability (without tension there is none).
 
-use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
     SingleElement,
@@ -141,7 +140,7 @@ pub struct Particle(Fluid);
 fn build(part: &Part) -> ElementResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
-        problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));
+        problems.push(Problem::error(key, format!("part {}: {what}", part.label()), help));
     };
     let Some(job) = &part.particles else {
         let help = "add [part.particles] with spacing, density and sound_speed";

@@ -5,7 +5,6 @@
 
 use super::parameters::{self, DELETE};
 use super::pass::{GroupCorners, GroupNodes};
-use super::section::label;
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
 use crate::materials::tensor::rotated;
@@ -54,7 +53,8 @@ pub const PRESSURE_KEY: &[ParameterRow] = &[ParameterRow {
     range: None,
     meaning: "Tetrahedra and wedges: volume strain averaged at nodes (`nodal`; in wedges a share \
               of it, if nu is above 0.3), or that of each element (`element`), which locks as nu \
-              approaches 1/2 and, in tetrahedra, in plastic flow. Foams take that of the element.",
+              approaches 1/2 and in plastic flow. Foams take that of the element, and so do \
+              wedges with nu up to 0.3.",
 }];
 const NODAL: &str = "nodal";
 
@@ -71,7 +71,7 @@ pub fn averages_volume(
     if nodal && values.is_given("pressure") && !law.averages_volume() {
         let message = format!(
             "part {}: pressure = \"nodal\" does not keep the energy with the law of its material",
-            label(part)
+            part.label()
         );
         let help = "use pressure = \"element\", the default with foams";
         return Err(vec![Problem::error("pressure", message, help)]);

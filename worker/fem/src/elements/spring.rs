@@ -25,7 +25,7 @@ use self::maxwell::Maxwell;
 use self::plastic::Plastic;
 use super::{
     Constructor, Discrete, Element, ElementEntry, ElementFields, ElementPass, ElementResult,
-    PassTotals, SingleElement, section,
+    PassTotals, SingleElement,
 };
 use crate::columns::ElementState;
 use crate::piecewise_linear::PiecewiseLinear;
@@ -116,7 +116,7 @@ pub struct Spring {
 fn build(part: &Part) -> ElementResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
-        problems.push(Problem::error(key, format!("part {}: {what}", section::label(part)), help));
+        problems.push(Problem::error(key, format!("part {}: {what}", part.label()), help));
     };
     let Some(spring) = &part.spring else {
         say(

@@ -9,13 +9,14 @@
 //! volume strain is that of the nodes (Bonet & Burton 1998). A node a sums over the elements e
 //! around it, and an element takes the mean of its n_e nodes:
 //! ```text
-//! d_a = sum_e dV_e/n_e / sum_e V_e/n_e,    d_e = sum_a d_a/n_e
+//! d_a = sum_e w_e dV_e/n_e / sum_e w_e V_e/n_e,    d_e = sum_a d_a/n_e
 //! eps <- eps + (d_e - tr eps)/3 I
 //! ```
-//! with V the volume in the middle of the step and dV its change. The forces use the stress of the
-//! element and its own gradient. With one bulk modulus this is the potential of the nodal volumes:
-//! `V_e` times the matrix that averages d is symmetric, so work and stress belong together, also
-//! with [`wedge`](super::wedge)s. Its eigenvalues are at most 1: the stable step of the element
+//! with V the volume in the middle of the step and dV its change. `w_e` is the share of its volume
+//! strain that an element averages: 1, and less for a [`wedge`](super::wedge). The forces use the
+//! stress of the element and its own gradient. With one bulk modulus this is the potential of the
+//! nodal volumes: `w_e V_e` times the matrix that averages d is symmetric, so work and stress belong
+//! together, also where tetrahedra meet wedges. Its eigenvalues are at most 1: the stable step of the element
 //! without averaging is safe. A node averages only over elements of the same part, since a pressure
 //! may jump between two materials. A pressure that is not linear in the volume strain has no such
 //! potential: foams do not average, and rubbers keep the energy as far as their bulk modulus is

@@ -18,7 +18,6 @@
 
 use super::beam::STRAIN_LIMIT;
 use super::fibre::FibreMaterial;
-use super::section::label;
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, PassTotals,
     SingleElement,
@@ -61,7 +60,7 @@ pub struct Truss {
 fn build(part: &Part, _: &Values<'_>, law: Box<dyn PlaneStress>) -> ElementResult {
     let mut problems = Vec::new();
     let mut say = |key: &str, what: String, help: &str| {
-        problems.push(Problem::error(key, format!("part {}: {what}", label(part)), help));
+        problems.push(Problem::error(key, format!("part {}: {what}", part.label()), help));
     };
     let Some(truss) = &part.truss else {
         say("truss", "it has trusses but no cross section".into(), "add [part.truss] with an area");

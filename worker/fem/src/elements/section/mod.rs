@@ -147,12 +147,12 @@ impl Section {
     ) -> Result<Self, Vec<Problem>> {
         let mut problems = Vec::new();
         if part.thickness == 0.0 {
-            let message = format!("part {}: its shells have no `thickness`", label(part));
+            let message = format!("part {}: its shells have no `thickness`", part.label());
             problems.push(Problem::error("thickness", message, "add it: a length above 0"));
         }
         let mut check = |right: bool, key: &str, value: &dyn std::fmt::Display, wanted: &str| {
             if !right {
-                let message = format!("part {}: {key} is {value}", label(part));
+                let message = format!("part {}: {key} is {value}", part.label());
                 problems.push(Problem::error(key, message, format!("it has to be {wanted}")));
             }
         };
@@ -692,9 +692,4 @@ fn power<R: Real>(sig: &[R], eps: &[R; 3]) -> R {
 #[inline(always)]
 fn half_of<R: Real>(value: R) -> R {
     R::splat(0.5) * value
-}
-
-/// Returns the label of a part in messages: its id, and its name if it has one.
-pub fn label(part: &Part) -> String {
-    if part.name.is_empty() { part.id.to_string() } else { format!("{} ({})", part.id, part.name) }
 }

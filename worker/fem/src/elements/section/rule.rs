@@ -1,6 +1,5 @@
 //! Integration through the thickness: Gauss-Legendre points of a section or of its layers.
 
-use super::label;
 use crate::materials::MAX_LAYER_POINTS;
 use crate::parameter::Values;
 use crumple_proto::job::{LayerInput, Part};
@@ -22,7 +21,7 @@ pub fn fault_of_angles(part: &Part, values: &Values<'_>) -> Option<Problem> {
     } else {
         ("both layers and `angles`".to_string(), "give each layer its `angle`")
     };
-    let message = format!("part {}: it has {what}", label(part));
+    let message = format!("part {}: it has {what}", part.label());
     Some(Problem::error("angles", message, help))
 }
 
