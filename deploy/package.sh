@@ -34,8 +34,8 @@ version=$("$folder/crumple" --version | cut -d ' ' -f 2)
 binary=crumple-$version-$target
 # Without the tables for debuggers, which are most of the file; messages of panics stay complete.
 strip --strip-debug -o "$dist/$binary" "$folder/crumple"
-# A static program is no error for ldd, which then lists no library.
-if ldd "$dist/$binary" 2>/dev/null | grep -q '=>'; then
+headers=$(readelf --program-headers --wide "$dist/$binary")
+if grep -q INTERP <<<"$headers"; then
     echo "package: ERROR: $dist/$binary needs shared libraries" >&2
     exit 1
 fi

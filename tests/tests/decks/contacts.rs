@@ -75,6 +75,20 @@ fn friction_of_a_table_depends_on_pressure_and_speed() {
     }
 }
 
+/// fsf is a factor on both coefficients of friction, vsf on the limit; blank and 0 mean 1.
+#[test]
+fn factors_of_friction_act() {
+    for (factors, wanted) in [("0.5,2.0", (0.2, 0.1, 0.1)), ("0,", (0.4, 0.2, 0.05))] {
+        let model = with(&format!(
+            "*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0\n0.4,0.2,0.7,0.05\n,,,,,,{factors}\n"
+        ));
+        let found = model.job.contact.as_ref().unwrap();
+        let dynamic = found.friction_dynamic.expect("a dynamic coefficient");
+        let limit = found.friction_limit.expect("a limit");
+        assert_eq!((found.friction, dynamic, limit), wanted, "{factors}");
+    }
+}
+
 /// Only the contact whose card asks for it is of segments; the map of the deck shows it.
 #[test]
 fn mortar_contacts_take_the_law_of_segments() {

@@ -275,6 +275,12 @@ fn mass_properties_of_bodies_have_cards() {
     ] {
         assert_eq!(count(&deck, keyword), times, "{keyword}: {}", deck.text);
     }
+    // A sheet of 0.785 g has the given 10 g.
+    let heavy =
+        deck.text.lines().skip_while(|line| *line != "steel, heavy").nth(1).expect("a card");
+    // Columns of 20; all of them are full, so that the exponent has no letter.
+    let density: f64 = heavy[20..40].trim().replace("-4", "e-4").parse().expect("a density");
+    assert!((density * 100.0 / 0.01 - 1.0).abs() < 1e-12, "{heavy}");
     // The velocity at the centre (13, 5, 7) by the spin about (5.1, 4.9, 5.3).
     let lines: Vec<&str> = deck.text.lines().collect();
     let part = lines.iter().position(|line| *line == "*PART_INERTIA").expect("a part");
@@ -345,4 +351,25 @@ fn ties_of_a_renumbered_mesh_keep_their_weights() {
     let again = read_back(&deck.text, &[]);
     assert_same(&model, &again, "ties of a renumbered mesh");
     assert_same_motion(&model, &again, "ties of a renumbered mesh");
+}
+
+/// Other programs take tetrahedra and wedges of the formulation of hexahedra for collapsed
+/// hexahedra, so that each shape has its own.
+#[test]
+fn each_shape_of_solids_has_its_formulation() {
+    let (deck, _) = same_as_deck("solids.toml", &[]);
+    let lines: Vec<&str> = deck.text.lines().collect();
+    let elforms: Vec<(u64, u64)> = (lines.windows(3))
+        .filter(|three| three[0] == "*SECTION_SOLID")
+        .map(|three| {
+            let card = three[1..].iter().find(|line| !line.starts_with('$')).expect("a card");
+            let mut fields = card.split_whitespace().map(|f| f.parse().expect("an integer"));
+            (fields.next().expect("an id"), fields.next().expect("an elform"))
+        })
+        .collect();
+    let expected = [(1, 1), (2, 13), (3, 10), (4, 15), (5, 15), (6, 13), (7, 16), (8, 13), (9, 1)];
+    assert_eq!(elforms, expected, "{}", deck.text);
+    // Wedges without averaging have no formulation.
+    let left = "part.pressure: no card for 1";
+    assert!(deck.left.iter().any(|line| line == left), "{:?}", deck.left);
 }

@@ -70,7 +70,7 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     deck.text(&line(&job.title));
     control(&mut deck, job);
     let mut next = 1 + model.settings.materials.len() as u64;
-    let mut bodies = bodies::materials(&mut deck, job, &model.settings.materials, next);
+    let mut bodies = bodies::materials(&mut deck, model, next);
     next += bodies.materials.len() as u64;
     let equations = materials::write(&mut deck, model, &bodies.materials);
     bodies.inertia = inertia::of(model, &bodies.materials);

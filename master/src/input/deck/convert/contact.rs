@@ -297,6 +297,11 @@ impl DeckConverter {
     /// Converts the friction of the card, except for fs -1.
     fn friction(&mut self, record: &CardRecord, name: &str, table: &mut JobTable) {
         let fs = record.real("fs");
+        let [factor, of_limit] = ["fsf", "vsf"].map(|field| record.real_or(field, 1.0));
+        if factor != 1.0 && (fs == 2.0 || fs == -1.0) {
+            let help = "friction by a table or by parts has no factor: give them its product";
+            self.unsupported_value(record, "fsf", help);
+        }
         if fs == 2.0 && record.name().ends_with("SURFACE_TO_SURFACE") {
             let (id, place) = (record.real("fd") as i64, record.place("fd"));
             if let Some(rows) = self.table_rows(id, place) {
@@ -304,9 +309,16 @@ impl DeckConverter {
                 let to = "friction_table: coefficients by pressure and speed";
                 self.map(name, format!("fs 2, fd {id}: a table"), to.to_string());
             }
-            put_friction_limit(record, record.real("vc"), table);
+            put_friction_limit(record, of_limit * record.real("vc"), table);
         } else if fs >= 0.0 {
-            self.put_friction(record, name, Friction::from_record(record), table);
+            let given = Friction::from_record(record);
+            let friction = Friction {
+                fixed: factor * given.fixed,
+                sliding: factor * given.sliding,
+                limit: of_limit * given.limit,
+                ..given
+            };
+            self.put_friction(record, name, friction, table);
         } else if fs != -1.0 {
             self.unsupported_value(
                 record,

@@ -381,13 +381,16 @@ impl DeckConverter {
             (None, Some(_)) if shapes.only_quadratic_tetrahedra() => {
                 "tetrahedra of ten nodes".to_string()
             }
-            (None, Some(_)) if shapes.wedges && !shapes.tetrahedra && !shapes.solids => {
-                "wedges".to_string()
-            }
             (None, Some(pressure)) if !shapes.solids => {
-                table.put("element", card.place("elform"), "tetrahedron");
-                table.put("pressure", card.place("elform"), pressure);
-                format!("tetrahedra or wedges; pressure {pressure}")
+                if shapes.tetrahedra {
+                    table.put("element", card.place("elform"), "tetrahedron");
+                }
+                // The default averages with the laws that allow it.
+                if pressure == "element" {
+                    table.put("pressure", card.place("elform"), pressure);
+                }
+                let foams = if pressure == "nodal" { "; element with foams" } else { "" };
+                format!("tetrahedra or wedges; pressure {pressure}{foams}")
             }
             _ => {
                 let help = "use the hexahedron with one point (1), which 2 is converted to; 10, \

@@ -18,6 +18,8 @@ pub struct DeckBodies {
     pub materials: BTreeMap<u32, u64>,
     /// Mass properties of bodies by their leading parts.
     pub inertia: BTreeMap<u32, InertiaCards>,
+    /// Names of bodies whose given mass is in the densities on their cards.
+    dense: BTreeSet<String>,
     /// Part for motions, by the name of the body in the job; empty if bodies are not written as
     /// cards.
     parts: BTreeMap<String, u64>,
@@ -38,12 +40,8 @@ impl DeckBodies {
 }
 
 /// Writes the materials of rigid parts, with ids from `next` on.
-pub fn materials(
-    deck: &mut DeckWriter,
-    job: &Job,
-    materials: &[Material],
-    mut next: u64,
-) -> DeckBodies {
+pub fn materials(deck: &mut DeckWriter, model: &Model, mut next: u64) -> DeckBodies {
+    let (job, materials) = (&model.job, &model.settings.materials);
     let mut bodies = DeckBodies::default();
     let (switched, whole): (Vec<&Rigid>, Vec<&Rigid>) =
         job.rigid.iter().partition(|body| switches::is_switched(body));
@@ -57,13 +55,23 @@ pub fn materials(
         return bodies;
     }
     let mut free = 1 + job.part.iter().map(|p| u64::from(p.id)).max().unwrap_or(0);
+    let mut titles: BTreeSet<String> = materials.iter().map(|m| m.name.clone()).collect();
     for body in whole {
         let mut own: BTreeMap<&str, u64> = BTreeMap::new();
+        let factor = density_factor(model, body).filter(|_| {
+            // A reader would give another name to a material whose name is taken.
+            let mut of = body.parts.iter().filter_map(|id| job.part.iter().find(|p| p.id == *id));
+            of.all(|part| !titles.contains(&title(&part.material, body)))
+        });
+        if factor.is_some() {
+            bodies.dense.insert(body.name.clone());
+        }
         for id in &body.parts {
             let of = job.part.iter().find(|p| p.id == *id).map_or("", |p| p.material.as_str());
             let Some(material) = materials.iter().find(|m| m.name == of) else { continue };
             let mid = *own.entry(of).or_insert_with(|| {
-                rigid_material(deck, material, body, next);
+                rigid_material(deck, material, body, (next, factor));
+                titles.insert(title(&material.name, body));
                 next += 1;
                 next - 1
             });
@@ -97,14 +105,43 @@ fn fixed_codes(body: &Rigid) -> [u64; 2] {
     })
 }
 
-fn rigid_material(deck: &mut DeckWriter, material: &Material, body: &Rigid, mid: u64) {
+/// Returns the factor on the densities of a body that gives it its mass, if mass is all that is
+/// given.
+fn density_factor(model: &Model, body: &Rigid) -> Option<f64> {
+    if body.mass.is_none() || body.inertia.is_some() || body.centre.is_some() {
+        return None;
+    }
+    let all = model.mesh.elements.iter().zip(&model.elements.mass_factor);
+    let mut own = all.filter(|(element, _)| body.parts.contains(&element.part));
+    own.next().map(|(_, factor)| *factor)
+}
+
+/// Returns the title of a material of a body in the deck.
+fn title(material: &str, body: &Rigid) -> String {
+    format!("{}, {}", line(material), line(&body.name))
+}
+
+/// Writes the material of a body with this id. With a factor on its density, Crumple reads the
+/// density of the job.
+fn rigid_material(
+    deck: &mut DeckWriter,
+    material: &Material,
+    body: &Rigid,
+    (mid, factor): (u64, Option<f64>),
+) {
     let number = |key: &str| match material.parameters.get(key) {
         Some(crumple_proto::partition::Param::Number(x)) => Number(*x),
         _ => Blank,
     };
     deck.keyword("MAT_RIGID_TITLE");
-    deck.text(&format!("{}, {}", line(&material.name), line(&body.name)));
-    deck.card(&[Id(mid), Number(material.density), number("youngs_modulus"), number("poisson")]);
+    let title = title(&material.name, body);
+    deck.text(&title);
+    let density = material.density * factor.unwrap_or(1.0);
+    deck.card(&[Id(mid), Number(density), number("youngs_modulus"), number("poisson")]);
+    if factor.is_some() {
+        let density = ("density".to_string(), material.density.into());
+        deck.comment("material", Table::from_iter([named(&title), density]));
+    }
     let codes = fixed_codes(body);
     deck.card(&[Id(u64::from(codes != [0, 0])), Id(codes[0]), Id(codes[1])]);
     deck.card(&[]);
@@ -235,6 +272,9 @@ fn join(
         }
         None => {
             own.extend(body.mass.map(|mass| ("mass".to_string(), mass.into())));
+            if bodies.dense.contains(&body.name) {
+                return deck.digits("rigid", own);
+            }
             own.extend(centre);
             own.extend(body.inertia.map(|i| ("inertia".to_string(), Value::from(i.to_vec()))));
             if own.len() > 1 {

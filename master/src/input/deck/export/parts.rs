@@ -9,7 +9,7 @@ use crate::input::job::Model;
 use crumple_proto::job::{Part, Setting};
 use crumple_proto::mesh::Shape;
 use crumple_worker::fem::elements::{COHESIVE, HourglassForm, formulation, points_of};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 /// Writes the parts. Parts of springs, discrete beams and particles get individual materials,
@@ -22,9 +22,12 @@ pub fn write(
     mut next: u64,
 ) -> Result<(), String> {
     let rigid = &bodies.materials;
-    let mut shapes: BTreeMap<u32, BTreeSet<bool>> = BTreeMap::new();
+    let mut shapes: BTreeMap<u32, Vec<Shape>> = BTreeMap::new();
     for element in &model.mesh.elements {
-        shapes.entry(element.part).or_default().insert(element.shape.is_shell());
+        let of = shapes.entry(element.part).or_default();
+        if !of.contains(&element.shape) {
+            of.push(element.shape);
+        }
     }
     let materials = &model.settings.materials;
     let is_shell = |part: &Part| {
@@ -33,8 +36,7 @@ pub fn write(
             || part.particles.is_some()
             || part.beam.is_some()
             || part.truss.is_some();
-        let of = shapes.get(&part.id).and_then(BTreeSet::first);
-        !others && of.copied().unwrap_or(part.thickness > 0.0)
+        !others && is_of_shells(part, shapes.get(&part.id).map_or(&[], Vec::as_slice))
     };
     let of_shells: Vec<&Part> = model.settings.parts.iter().filter(|part| is_shell(part)).collect();
     let common = shell_settings(deck, &of_shells);
@@ -54,8 +56,9 @@ pub fn write(
             next += 1;
             continue;
         }
-        let of = shapes.get(&part.id).cloned().unwrap_or_default();
-        if of.len() > 1 {
+        let of = shapes.get(&part.id).map_or(&[][..], Vec::as_slice);
+        let shells = is_of_shells(part, of);
+        if of.iter().any(|shape| shape.is_shell() != shells) {
             return Err(format!(
                 "part {} has shells and solids: give each its own part, as a deck requires",
                 part.id
@@ -69,7 +72,6 @@ pub fn write(
             beams::part(deck, part, law.map_or("", |m| m.law.as_str()), mid)?;
             continue;
         }
-        let shells = of.first().copied().unwrap_or(part.thickness > 0.0);
         let id = u64::from(part.id);
         if !part.layer.is_empty() && rigid.contains_key(&part.id) {
             return Err(format!(
@@ -79,12 +81,17 @@ pub fn write(
             ));
         }
         if !part.layer.is_empty() {
-            let hourglass = hourglass(deck, (model, part), shells, common);
+            let hourglass = hourglass(deck, (model, part), of, common);
             composites::part(deck, part, materials, hourglass);
             continue;
         }
-        section(deck, part, shells);
-        let hourglass = hourglass(deck, (model, part), shells, common);
+        if shells {
+            shell_section(deck, part);
+        } else {
+            deck.keyword("SECTION_SOLID");
+            deck.card(&[Id(id), Id(solid_elform(part, of))]);
+        }
+        let hourglass = hourglass(deck, (model, part), of, common);
         let contact = contact_fields(part).filter(|_| shells);
         let inertia = bodies.inertia.get(&part.id);
         let own = if inertia.is_some() { "_INERTIA" } else { "" };
@@ -99,6 +106,11 @@ pub fn write(
         }
     }
     Ok(())
+}
+
+/// Returns true for a part of shells; without elements, for one with a thickness.
+fn is_of_shells(part: &Part, shapes: &[Shape]) -> bool {
+    shapes.first().map_or(part.thickness > 0.0, |shape| shape.is_shell())
 }
 
 /// Settings of all parts of shells on one card.
@@ -147,12 +159,8 @@ fn contact_fields(part: &Part) -> Option<[CardValue; 2]> {
     })
 }
 
-fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
+fn shell_section(deck: &mut DeckWriter, part: &Part) {
     let id = u64::from(part.id);
-    if !shells {
-        deck.keyword("SECTION_SOLID");
-        return deck.card(&[Id(id), Id(if is_cohesive(part) { cohesive::ELFORM } else { 1 })]);
-    }
     deck.keyword("SECTION_SHELL");
     let mut first = vec![Id(id), Id(elform(part)), Number(1.0), Id(points_of(part) as u64)];
     if !part.angles.is_empty() {
@@ -167,6 +175,23 @@ fn section(deck: &mut DeckWriter, part: &Part, shells: bool) {
     }
     let angles: Vec<CardValue> = part.angles.iter().map(|&angle| Number(angle)).collect();
     angles.chunks(8).for_each(|eight| deck.card(eight));
+}
+
+/// Returns the formulation of a part of solids in the format. Without hexahedra it is one of
+/// tetrahedra or wedges: in other programs, formulation 1 takes them for collapsed hexahedra.
+fn solid_elform(part: &Part, shapes: &[Shape]) -> u64 {
+    let has = |shape| shapes.contains(&shape);
+    if is_cohesive(part) {
+        cohesive::ELFORM
+    } else if shapes.is_empty() || has(Shape::Hex8) {
+        1
+    } else if has(Shape::Tet4) {
+        if has_own_pressure(part) { 10 } else { 13 }
+    } else if has(Shape::Wedge6) {
+        15
+    } else {
+        16
+    }
 }
 
 /// Returns the formulation of a part of shells in the format.
@@ -185,6 +210,11 @@ fn is_cohesive(part: &Part) -> bool {
     part.element.as_deref() == Some(COHESIVE)
 }
 
+/// Returns true for a part of solids with the volume strain of each element.
+fn has_own_pressure(part: &Part) -> bool {
+    part.parameters.get("pressure") == Some(&Setting::Word("element".to_string()))
+}
+
 /// Returns true for a part of membranes.
 fn is_membrane(part: &Part) -> bool {
     part.parameters.get("membrane") == Some(&Setting::Flag(true))
@@ -194,9 +224,10 @@ fn is_membrane(part: &Part) -> bool {
 fn hourglass(
     deck: &mut DeckWriter,
     (model, part): (&Model, &Part),
-    shells: bool,
+    shapes: &[Shape],
     common: ShellSettings,
 ) -> bool {
+    let shells = is_of_shells(part, shapes);
     let solids = !shells && !is_cohesive(part);
     let by_card = solids || part.element.as_deref() == Some("belytschko_tsay");
     let given = |key: &str| part.parameters.get(key);
@@ -228,6 +259,7 @@ fn hourglass(
         "hourglass" | "warping" | "membrane" => by_card,
         "hourglass_coefficient" => coefficient.is_some(),
         "bulk_viscosity" => !viscosity.is_empty(),
+        "pressure" => has_own_pressure(part) && solid_elform(part, shapes) == 10,
         "thinning" => shells && common.thinning,
         "drilling" => {
             let is_zero = given("drilling").and_then(Setting::number) == Some(0.0);

@@ -52,7 +52,7 @@ macro_rules! unused {
             ),
             no_effect("sapr sbpr cid_rcf", "force transducers select what is recorded"),
             no_effect(
-                "vdc sfsa sfsb fsf vsf soft sofscl maxpar sbopt depth bsort frcfrq penmax snlog \
+                "vdc sfsa sfsb soft sofscl maxpar sbopt depth bsort frcfrq penmax snlog \
                  sldstf dtstif dprfac sfnbr fnlscl dnlscl pstiff fstol tetfac tcso",
                 "contact needs no stiffness, damping or search from the deck",
             ),
@@ -84,7 +84,7 @@ const UNUSED_BY_OPTION: &[UnusedFields] = unused!(no_effect(
 ));
 
 const SINGLE: &str = "`[contact]`, from the second card on `[[contact.interface]]`: contact of its \
-    parts with each other and with themselves. fs, fd and dc are the friction, vc its limit, sast \
+    parts with each other and with themselves. fs, fd and dc are the friction (times fsf), vc its limit (times vsf), sast \
     or sfsat the thickness, bt and dt birth and death. If several cards contain the same two \
     parts, the last one counts. The option MORTAR of AUTOMATIC_SINGLE_SURFACE and \
     AUTOMATIC_SURFACE_TO_SURFACE sets the `law` to `mortar`, in other contacts it has no effect. \
