@@ -197,7 +197,7 @@ pub const CATALOGUE: &[Entry] = &[
         "B11",
         "Square tube, axial crush",
         &[crush::SQUARE],
-        "3.33 mm mesh; a rigid head (here a guided ring of masses)",
+        "a rigid head (here a guided ring of masses); a reference for the number of folds",
     ),
     entry(
         "B12",
@@ -205,12 +205,7 @@ pub const CATALOGUE: &[Entry] = &[
         &[crush::MEAN_FORCE],
         "the strain-rate factor ([U] constants)",
     ),
-    entry(
-        "B13",
-        "Circular tube, axial crush",
-        &[crush::ROUND],
-        "the mode of folding is not measured",
-    ),
+    entry("B13", "Circular tube, axial crush", &[crush::ROUND], "the number of folds"),
     entry(
         "B15",
         "S-beam crash",

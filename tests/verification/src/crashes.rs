@@ -39,6 +39,8 @@ const FULL: &str = "fully_integrated_quad";
 /// Limit of hourglass energy over internal energy of a part, for parts with at least a hundredth
 /// of all internal energy.
 const HOURGLASS_OF_A_PART: f64 = 0.1;
+/// Limit of all hourglass energy over all internal energy.
+const HOURGLASS_OF_ALL: f64 = 0.05;
 
 /// Quantities and times at which a crash is observed, in units of its job.
 struct Crash {
@@ -109,12 +111,15 @@ impl Crash {
         let whole: f64 = parts.iter().map(|p| p[0]).sum();
         let share = |p: &[f64; 2]| if p[0] >= 0.01 * whole { p[1] / p[0] } else { 0.0 };
         let hourglass = parts.iter().map(share).fold(0.0, f64::max);
+        let of_all = parts.iter().map(|p| p[1]).sum::<f64>() / whole;
         let windows = (last / self.window).round() as usize;
         let over = |k: usize| push.mean_force(k as f64 * self.window, (k + 1) as f64 * self.window);
         let peak = (0..windows).map(over).fold(0.0, f64::max);
         let mut rows = vec![
             CheckRow::new("hourglass energy / internal energy, worst part", variant, "", hourglass)
                 .at_most(HOURGLASS_OF_A_PART, "limit of the catalogue, 5 to 10 %"),
+            CheckRow::new("hourglass energy / internal energy, all parts", variant, "", of_all)
+                .at_most(HOURGLASS_OF_ALL, "limit of the catalogue: 5 %"),
             CheckRow::new("largest penetration", variant, "of the contact thickness", penetration)
                 .at_most(0.5, "limit of the catalogue"),
         ];

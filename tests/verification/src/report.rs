@@ -23,6 +23,20 @@ columns name the quantity that uses most of its tolerance: the deviation over th
 1 if it is outside. All quantities are in [the table of rows](VERIFICATION_ROWS.md).
 ";
 
+/// What a crash engineer loses by the known failures of these entries, the gravest first.
+const LOSSES: [(&str, &[&str]); 8] = [
+    ("Crush force and remaining deflection, on meshes of the usual size", &["B08", "B12"]),
+    ("Light parts between heavy ones", &["C15"]),
+    ("Time and place at which sliding parts stop", &["A07", "C18"]),
+    ("Impact times, contact areas and peaks with penalty laws", &["A01", "A10", "A11"]),
+    ("Energy of many short contacts, friction of penalty laws in stick", &["A29", "C02"]),
+    ("Distorted or twisted shells of Belytschko and Tsay", &["A21", "A30"]),
+    ("Vibrations of coarse panels and beams", &["A15", "A16"]),
+    ("Thick walls of few solids", &["C12"]),
+];
+/// The same of all other entries.
+const OTHER_LOSS: &str = "Other";
+
 const HEAD_OF_ROWS: &str = "# Verification: all rows
 
 Written by `crumple verify`, in SI units. A row is one quantity of a run. Its variant names contact
@@ -72,14 +86,24 @@ impl Report<'_> {
                     }
                 }
             }
-            for (why, of) in said {
-                let _ = writeln!(text, "- {}: {why}", of.join(", "));
+            let others = (OTHER_LOSS, &[][..]);
+            for (loss, _) in LOSSES.into_iter().chain([others]) {
+                let own: Vec<_> = said.iter().filter(|s| loss_of(&s.1[0]) == loss).collect();
+                if !own.is_empty() {
+                    let _ = writeln!(text, "{loss}:\n");
+                    for (why, of) in own {
+                        let _ = writeln!(text, "- {}: {why}", of.join(", "));
+                    }
+                    text.push('\n');
+                }
             }
         }
         let open: Vec<_> = self.entries.iter().filter(|e| !e.open.is_empty()).collect();
         if !open.is_empty() {
+            let blank = if text.ends_with("\n\n") { "" } else { "\n" };
+            text.push_str(blank);
             text.push_str(
-                "\n## Not covered\n\n| case | | what is missing, and why |\n|---|---|---|\n",
+                "## Not covered\n\n| case | | what is missing, and why |\n|---|---|---|\n",
             );
             for e in open {
                 let _ = writeln!(text, "| {} | {} | {} |", e.id, e.title, e.open);
@@ -142,6 +166,12 @@ impl Report<'_> {
         let id = entry.id;
         self.outcomes.iter().filter(move |o| o.id == id)
     }
+}
+
+/// Returns what a failure costs, by the name of its entry at the start of its label.
+fn loss_of(label: &str) -> &'static str {
+    let of = LOSSES.iter().find(|(_, ids)| ids.iter().any(|id| label.starts_with(id)));
+    of.map_or(OTHER_LOSS, |(loss, _)| loss)
 }
 
 fn line(id: &str, r: &CheckRow) -> String {

@@ -197,7 +197,7 @@ fn compare(
     const EVERY: u64 = 5;
     const TOUCH: &str = "sum of the half thicknesses; penalty laws penetrate";
     let mut all = Vec::new();
-    for law in bench.laws() {
+    for law in bench.laws().chain(["mortar"]) {
         let mut scene = Scene::new(END);
         scene.elastic("steel", STEEL);
         build(&mut scene);
