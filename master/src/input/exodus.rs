@@ -93,12 +93,20 @@ const KINDS: [ElementType; 9] = [
 /// The file cannot be read, is no EXODUS II model, or has elements that are not supported: all
 /// problems.
 pub fn read(path: &Path) -> Result<Mesh, Vec<Problem>> {
+    read_with_names(path).map(|(mesh, _)| mesh)
+}
+
+/// Reads a file as [`read`] does. Also returns the names of blocks that have one, by part.
+///
+/// # Errors
+/// As for [`read`].
+pub fn read_with_names(path: &Path) -> Result<(Mesh, BTreeMap<u32, String>), Vec<Problem>> {
     confine::check(path).map_err(|error| vec![refused(path, &error)])?;
     let file = NcFile::open(path).map_err(|error| vec![unreadable(path, &error)])?;
-    let mut reader = ExodusReader { file, path, problems: Vec::new() };
+    let mut reader = ExodusReader { file, path, part_names: BTreeMap::new(), problems: Vec::new() };
     let mesh = reader.mesh();
     match mesh {
-        Some(mesh) if reader.problems.is_empty() => Ok(mesh),
+        Some(mesh) if reader.problems.is_empty() => Ok((mesh, reader.part_names)),
         _ => Err(reader.problems),
     }
 }
@@ -131,6 +139,7 @@ struct ExodusBlock {
 struct ExodusReader<'a> {
     file: NcFile,
     path: &'a Path,
+    part_names: BTreeMap<u32, String>,
     problems: Vec<Problem>,
 }
 
@@ -253,7 +262,13 @@ impl ExodusReader<'_> {
         let mut blocks = Vec::new();
         for (i, (&id, name)) in ids.iter().zip(&names).enumerate() {
             if self.size(&format!("num_el_in_blk{}", i + 1)) > 0 {
-                blocks.extend(self.block(i + 1, id, &format!("block {id} ({name})"), nodes));
+                let block = self.block(i + 1, id, &format!("block {id} ({name})"), nodes);
+                // Names that stand for a missing one.
+                let made = [format!("block_{id}"), format!("part_{id}")];
+                if let Some(block) = block.as_ref().filter(|_| !made.contains(name)) {
+                    self.part_names.insert(block.id, name.clone());
+                }
+                blocks.extend(block);
             }
         }
         blocks

@@ -457,6 +457,17 @@ pub fn state_digest(nodes: &mut [NodeRecord]) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
+/// Returns the names of the parts that have one in the summary of a run, by their ids.
+pub fn part_names(dir: &Path) -> BTreeMap<u32, String> {
+    let text = std::fs::read_to_string(dir.join("summary.json")).unwrap_or_default();
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    let name = |part: &serde_json::Value| {
+        let name = part["name"].as_str().filter(|name| !name.is_empty())?;
+        Some((u32::try_from(part["id"].as_u64()?).ok()?, name.to_string()))
+    };
+    summary["parts"].as_array().into_iter().flatten().filter_map(name).collect()
+}
+
 /// Returns the wall time per phase over workers [s].
 pub fn phases(closings: &[FinalReport]) -> BTreeMap<String, MeanMax> {
     let of = |p: usize| {

@@ -1,5 +1,5 @@
-//! The commands of the tutorials run in an empty folder, in their order, with the files that the
-//! pages show. Runs stop after a few cycles: results are not compared, output of `check` is.
+//! The commands of the tutorials run in one folder, page after page as a reader may do it, with the
+//! files that the pages show. Runs stop after a few cycles: results are not compared, output of `check` is.
 
 use crumple_tests::manual::{Snippet, blocks, pages};
 use crumple_tests::program::{crumple, root};
@@ -40,8 +40,8 @@ fn script(path: &Path, text: &str) {
     fs::set_permissions(path, fs::Permissions::from_mode(0o755)).unwrap();
 }
 
-/// Makes the folder in which the commands of a page run.
-fn folder(blocks: &[Snippet]) -> tempfile::TempDir {
+/// Makes the folder in which the commands of all pages run.
+fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     for name in ["cases", "tests"] {
@@ -53,6 +53,11 @@ fn folder(blocks: &[Snippet]) -> tempfile::TempDir {
         let path = if name.contains('/') { at.join(name) } else { at.join("bin").join(name) };
         script(&path, "#!/usr/bin/env bash\n");
     }
+    folder
+}
+
+/// Writes the files that a page shows.
+fn write_files(blocks: &[Snippet], at: &Path) {
     for Snippet { file, text, language, .. } in blocks {
         if let Some(file) = file.as_ref().filter(|_| ["toml", "python"].contains(&&language[..])) {
             if root().join(file).exists() {
@@ -64,20 +69,19 @@ fn folder(blocks: &[Snippet]) -> tempfile::TempDir {
                 .unwrap();
         }
     }
-    folder
 }
 
-/// Runs the shell blocks of a page as one script. Returns the output of each.
-fn run(page: &str, blocks: &[Snippet]) -> Vec<String> {
-    let folder = folder(blocks);
+/// Runs the shell blocks of a page as one script in this folder. Returns the output of each.
+fn run(page: &str, blocks: &[Snippet], folder: &Path) -> Vec<String> {
+    write_files(blocks, folder);
     let shell = blocks.iter().filter(|block| block.language == "sh");
     let text: String = shell.map(|block| format!("echo '@@ block'\n{}\n", block.text)).collect();
-    let path = format!("{}/bin:{}", folder.path().display(), std::env::var("PATH").unwrap());
+    let path = format!("{}/bin:{}", folder.display(), std::env::var("PATH").unwrap());
     let bash = Command::new("bash")
         .args(["-c", &format!("exec 2>&1\n{text}")])
         .env("PATH", path)
         .env("CRUMPLE_BIN", crumple())
-        .current_dir(folder.path())
+        .current_dir(folder)
         .output()
         .unwrap_or_else(|error| panic!("{page}: bash: {error}"));
     let said = String::from_utf8_lossy(&bash.stdout).into_owned();
@@ -104,9 +108,10 @@ fn commands_of_the_tutorials_run() {
     let mut list = pages("docs/tutorials");
     list.extend(["docs/getting-started.md".into(), "README.md".into()]);
     let mut wrong = Vec::new();
+    let folder = folder();
     for page in list.iter().filter(|page| !NEED_OTHER_PROGRAM.contains(&&page[..])) {
         let blocks = blocks(page);
-        let outputs = run(page, &blocks);
+        let outputs = run(page, &blocks, folder.path());
         let shell: Vec<usize> =
             (0..blocks.len()).filter(|at| blocks[*at].language == "sh").collect();
         assert_eq!(outputs.len(), shell.len(), "{page}: the script ended early: {outputs:?}");

@@ -88,6 +88,13 @@ fn a_job_on_the_file_of_a_run_runs() {
     let job = folder.path().join("job.toml");
     fs::write(&job, JOB).unwrap();
     let ended = run(crumple_with(&["run", job.to_str().unwrap(), "--no-report"])).with_code(0);
+    // Names of parts come back.
+    let imported = folder.path().join("imported");
+    let model = folder.path().join("model.g").display().to_string();
+    run(crumple_with(&["import", &model, "--out", imported.to_str().unwrap()])).with_code(0);
+    let text = fs::read_to_string(imported.join("job.toml")).unwrap();
+    let name = first.summary()["parts"][0]["name"].as_str().expect("a name").to_string();
+    assert!(!name.is_empty() && text.contains(&format!("name = \"{name}\"")), "{text}");
     assert_eq!(ended.summary()["nodes"], first.summary()["nodes"]);
     assert_eq!(ended.summary()["elements"], first.summary()["elements"]);
 }

@@ -9,12 +9,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Jobs that take more than some seconds, without the ending of the file.
-const LONG: [&str; 9] = [
+/// Jobs and decks that take more than some seconds, without the ending of the file.
+const LONG: [&str; 11] = [
     "beam/job",
     "bench/hex-bar",
     "brick-wall/job",
     "can-crush/job",
+    "decks/airbag/airbag",
+    "decks/ball-plate/ball_plate",
     "flight/job",
     "jeep-frame/job",
     "pipe-whip/job",
@@ -22,17 +24,24 @@ const LONG: [&str; 9] = [
     "tube-crush/job",
 ];
 
-/// Returns the job files under `cases/`, by their names.
+/// Returns the job files and decks under `cases/`, by their names.
 fn jobs() -> BTreeMap<String, PathBuf> {
     let mut jobs = BTreeMap::new();
-    for folder in fs::read_dir(root().join("cases")).unwrap() {
-        let folder = folder.unwrap().path();
-        let is_scene = folder.is_dir() && !folder.ends_with("studies");
-        for file in is_scene.then(|| fs::read_dir(&folder).unwrap()).into_iter().flatten() {
-            let file = file.unwrap().path();
-            let text = fs::read_to_string(&file).unwrap_or_default();
-            let is_job = ["end_time", "deck ="].iter().any(|key| text.contains(key));
-            if file.extension().is_some_and(|e| e == "toml") && is_job {
+    for parent in ["cases", "cases/decks"] {
+        for folder in fs::read_dir(root().join(parent)).unwrap() {
+            let folder = folder.unwrap().path();
+            let is_scene = folder.is_dir() && !folder.ends_with("studies");
+            for file in is_scene.then(|| fs::read_dir(&folder).unwrap()).into_iter().flatten() {
+                let file = file.unwrap().path();
+                let marks: &[&str] = match file.extension().and_then(|e| e.to_str()) {
+                    Some("toml") => &["end_time", "deck ="],
+                    Some("k") => &["*CONTROL_TERMINATION"],
+                    _ => continue,
+                };
+                let text = fs::read_to_string(&file).unwrap_or_default();
+                if !marks.iter().any(|mark| text.contains(mark)) {
+                    continue;
+                }
                 let name = file.strip_prefix(root().join("cases")).unwrap().with_extension("");
                 jobs.insert(name.display().to_string(), file);
             }

@@ -276,8 +276,13 @@ pub fn read(path: &Path, allowed: bool, case: Option<u64>) -> Result<ReadMesh, V
     let mut deck = None;
     match format.reader {
         Bytes(reader) => reader(&mut reading, &bytes),
-        FormatReader::Exodus => match exodus::read(path) {
-            Ok(mesh) => reading.mesh = FileMesh::from_mesh(&mesh),
+        FormatReader::Exodus => match exodus::read_with_names(path) {
+            Ok((mesh, names)) => {
+                reading.mesh = FileMesh::from_mesh(&mesh);
+                for part in &mut reading.mesh.parts {
+                    part.name = names.get(&part.id).cloned().unwrap_or_default();
+                }
+            }
             Err(problems) => {
                 return Err(problems
                     .into_iter()

@@ -2,6 +2,7 @@
 
 use crate::results::field_file::PieceArrays;
 use crate::results::fields::{COLLECTION, DIR};
+use crate::results::summary;
 use crumple_worker::vtu;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -321,12 +322,8 @@ impl FieldSource {
 
 /// Returns the ids of the parts of elements, ascending, with the names in the summary of the run.
 fn parts(dir: &Path, elements: impl Iterator<Item = ElementIds>) -> Vec<(i32, String)> {
-    let text = std::fs::read_to_string(dir.join("summary.json")).unwrap_or_default();
-    let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
-    let name = |id: i32| {
-        let part = summary["parts"].as_array()?.iter().find(|p| p["id"] == id)?;
-        part["name"].as_str().filter(|n| !n.is_empty()).map(String::from)
-    };
+    let names = summary::part_names(dir);
+    let name = |id: i32| names.get(&u32::try_from(id).ok()?).cloned();
     let mut ids: Vec<i32> = elements.map(|e| e.part).collect();
     ids.sort_unstable();
     ids.dedup();

@@ -75,11 +75,11 @@ fn names(arrays: &'static [Array]) -> Vec<String> {
 }
 
 impl ExodusModel {
-    /// Takes the model from the first step of a run.
+    /// Takes the model from the first step of a run; the names of parts are those of its job.
     ///
     /// # Errors
     /// An id has more than 31 bits, or a cell is of an unknown type.
-    pub fn new(first: &Snapshot) -> Result<Self, String> {
+    pub fn new(first: &Snapshot, part_names: &BTreeMap<u32, String>) -> Result<Self, String> {
         let topology = &first.topology;
         let elements = ids(&first.cell_arrays[position(CELL_ARRAYS, vtu::ELEMENT_ID.name)]);
         let too_large = topology.nodes.iter().chain(elements).find(|&&id| id > i64::from(i32::MAX));
@@ -101,7 +101,7 @@ impl ExodusModel {
             coordinates: std::array::from_fn(initial),
             connectivity: topology.connectivity.clone(),
             offsets: topology.offsets.clone(),
-            blocks: blocks(first)?,
+            blocks: blocks(first, part_names)?,
         })
     }
 
@@ -169,8 +169,18 @@ fn element_names() -> Vec<String> {
     names(CELL_ARRAYS).into_iter().chain([STATUS.into()]).collect()
 }
 
-/// Returns the element blocks: elements of one part and type, in ascending order of parts.
-fn blocks(first: &Snapshot) -> Result<Vec<WrittenBlock>, String> {
+/// Returns the element blocks: elements of one part and type, in ascending order of parts. A block
+/// has the name of its part; without one, or with one that is too long or not its own, `part_ID`.
+fn blocks(
+    first: &Snapshot,
+    part_names: &BTreeMap<u32, String>,
+) -> Result<Vec<WrittenBlock>, String> {
+    let name_of = |part: u32| {
+        let name = part_names.get(&part).filter(|name| {
+            name.len() < NAME && part_names.values().filter(|other| other == name).count() == 1
+        });
+        name.cloned().unwrap_or_else(|| format!("part_{part}"))
+    };
     let SnapshotArray::U32(parts) = &first.cell_arrays[position(CELL_ARRAYS, vtu::PART.name)]
     else {
         unreachable!("ids of parts have 32 bits");
@@ -198,9 +208,10 @@ fn blocks(first: &Snapshot) -> Result<Vec<WrittenBlock>, String> {
             (kind, _) => return Err(format!("cells of VTK type {kind} with {corners} nodes")),
         };
         // The largest group of corners of a part has its id.
-        let first = !blocks.iter().any(|b: &WrittenBlock| b.name == format!("part_{part}"));
+        let name = name_of(part);
+        let first = !blocks.iter().any(|b: &WrittenBlock| b.name == name);
         let (id, name) = if first {
-            (part, format!("part_{part}"))
+            (part, name)
         } else {
             free += 1;
             (free, format!("part_{part}_{}", kind.to_lowercase()))

@@ -11,6 +11,7 @@ mod file;
 use crate::results::field_file::steps;
 use crate::results::fields::{COLLECTION, DIR};
 use crate::results::snapshot::Snapshot;
+use crate::results::summary::part_names;
 use crumple_proto::disk::watched;
 use std::path::Path;
 
@@ -33,7 +34,7 @@ pub fn export(dir: &Path) -> Result<String, String> {
     let Some(first) = steps.first() else {
         return Err(format!("{} lists no step; run the job with fields", collection.display()));
     };
-    let model = file::ExodusModel::new(&Snapshot::read(first)?)?;
+    let model = file::ExodusModel::new(&Snapshot::read(first)?, &part_names(dir))?;
     let data = model.definition(steps.len()).map_err(|e| format!("{NAME}: {e:?}"))?;
     let path = dir.join(NAME);
     let unfinished = dir.join(format!("{NAME}.part"));
