@@ -16,7 +16,7 @@ fn folder() -> PathBuf {
     root().join("tests/meshes/broken")
 }
 
-/// Each file, files in binary form, an assembly of instances, and one of several pieces.
+/// Each file, files in binary form, assemblies of instances, and one of several pieces.
 static TEXTS: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
     let made = root().join("tests/meshes/made");
     let of = |folder: PathBuf, name: &'static str| (name, fs::read(folder.join(name)).unwrap());
@@ -27,6 +27,7 @@ static TEXTS: LazyLock<Vec<(&str, Vec<u8>)>> = LazyLock::new(|| {
         "block-binary.vtk",
         "block-binary.stl",
         "assembly.inp",
+        "joined.inp",
         "pieces.vtu",
     ] {
         texts.push(of(made.clone(), name));
@@ -122,7 +123,7 @@ proptest! {
     /// Any few changes of a good file give a mesh or errors with cures.
     #[test]
     fn changed_files_do_not_panic(
-        index in 0usize..14,
+        index in 0usize..15,
         changes in prop::collection::vec(change(), 1..6),
         allowed in any::<bool>(),
     ) {

@@ -2,6 +2,7 @@
 //! pieces and numbers of VTK, names, copies of files. What is not read is in the table or an error.
 
 use crumple::input::mesh_file::{Fate, ReadMesh, read};
+use crumple_proto::mesh::Shape;
 use crumple_proto::problem::{Problem, Severity};
 use crumple_tests::program::{crumple_with, root, run};
 use std::fs;
@@ -161,6 +162,67 @@ fn wrong_names_in_an_assembly_are_errors() {
     let plate = text_of("broken/plate.inp");
     let text = changed(&plate, "*End Part", "*Rigid Body, elset=hull\n*End Part");
     refused("a.inp", &text, "*RIGID BODY: there is no element set `hull`");
+}
+
+/// Springs, connectors and masses of the assembly have nodes of instances. They are rows of the
+/// table with their number; their sets have these nodes. A truss between instances is an element.
+#[test]
+fn elements_of_an_assembly_join_nodes_of_instances() {
+    let text = text_of("made/joined.inp");
+    let found = good("a.inp", &text);
+    let mesh = &found.mesh;
+    assert_eq!((mesh.nodes.len(), mesh.elements.len(), mesh.parts.len()), (8, 2, 1));
+    for (name, ids) in
+        [("Springs", &[1, 2, 5, 6][..]), ("Wire", &[3, 7, 8]), ("heavy", &[7]), ("tips", &[4, 8])]
+    {
+        assert_eq!(mesh.node_sets[name], ids, "{name}");
+    }
+    for (what, count) in [("spring", 2), ("connector", 3), ("point mass", 1), ("*SPRING", 1)] {
+        assert_eq!(row(&found, what), Some((Fate::Ignored, count)), "{what}");
+    }
+    let rod = "*Element, type=T3D2, elset=rod\n9, A-1.1, B-1.1\n*Solid Section, elset=rod, \
+               material=Steel\n2.,\n*Element, type=MASS";
+    let mesh = good("a.inp", &changed(&text, "*Element, type=MASS", rod)).mesh;
+    let rod = mesh.elements.iter().find(|e| e.shape == Shape::Beam2).unwrap();
+    assert_eq!(rod.corners, [1, 5]);
+    assert_eq!(mesh.parts[rod.part].beam.as_ref().unwrap().area, 2.0);
+}
+
+/// A node that is missing is one error, at its line and with the number of the file, whatever
+/// names it.
+#[test]
+fn a_missing_node_is_one_error_with_the_number_of_the_file() {
+    let text = text_of("made/joined.inp");
+    for (old, new, wanted) in [
+        ("1, A-1.1, B-1.1", "1, A-1.9, B-1.1", ":23: element 1 has node A-1.9, which is missing"),
+        ("1, A-1.1, B-1.1", "1, C-1.1, B-1.1", ":23: element 1: there is no instance `C-1`"),
+        ("1, A-1.1, B-1.1", "1, 70, B-1.1", ":23: element 1 has node 70, which is missing"),
+        ("1, A-1.1, B-1.1", "1, 7.1, B-1.1", ":23: `1, 7.1, B-1.1` is no element"),
+        ("A-1.4, B-1.4\n", "A-1.4, B-1.9\n", ":40: set `tips` has node 9, which is missing"),
+        ("1, 1, 2, 3, 4", "1, 1, 2, 3, 40", ":10: element 1 has node 40, which is missing"),
+        (
+            "*Elset, elset=skin",
+            "*Nset, nset=n\n4, 5\n*Elset, elset=skin",
+            ":11: set `n` has node 5",
+        ),
+    ] {
+        let found = errors("a.inp", &changed(&text, old, new));
+        assert!(found.len() == 1 && found[0].contains(wanted), "`{wanted}`: {found:?}");
+    }
+    let plate = text_of("broken/plate.msh");
+    let found = errors("a.msh", &changed(&plate, "3 1 2 5 4", "3 1 2 5 999"));
+    assert!(found.len() == 1 && found[0].contains("element 3 has node 999"), "{found:?}");
+}
+
+/// Shells and solids with one property are one part: a warning names the line of the second kind.
+#[test]
+fn shells_and_solids_of_one_property_are_warned_of() {
+    let plate = text_of("broken/plate.bdf");
+    let more = "GRID,9,,0.,0.,1.\nCTETRA,30,7,1,2,4,9\nPSHELL         7";
+    let found = good("a.bdf", &changed(&plate, "PSHELL         7", more));
+    let [warning] = &found.warnings[..] else { panic!("{:?}", found.warnings) };
+    assert!(warning.message.contains(":13: property 7 has shells and solids"), "{warning:?}");
+    assert!(good("b.bdf", &plate).warnings.is_empty());
 }
 
 /// A reference point and its mass leave the ids and the names of the sets of the only instance.

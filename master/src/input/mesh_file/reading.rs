@@ -14,6 +14,9 @@ const MOST: usize = 10;
 /// Maximum number of ids that sets get by ranges or from other sets.
 const MOST_IDS: usize = 50_000_000;
 
+/// Cure for an element with a node that is missing.
+pub const NODE_HELP: &str = "define the node, or correct or remove the element";
+
 /// Shapes of elements and their names in the table.
 const SHAPES: [(Shape, &str); 7] = [
     (Shape::Quad4, "quads"),
@@ -64,6 +67,9 @@ pub struct MeshReading {
     refused: BTreeMap<&'static str, (Cell, usize, FilePlace)>,
     /// Properties of elements that are not supported: number of elements, the first one, the cure.
     lacking: BTreeMap<&'static str, (usize, FilePlace, &'static str)>,
+    /// Nodes that are missing, each with an error that names it.
+    missing: HashSet<u64>,
+    nodes_are_checked: bool,
     /// Number of ids that sets may still have.
     room: usize,
     /// The files without links and `..`.
@@ -82,6 +88,8 @@ impl MeshReading {
             counts: BTreeMap::new(),
             refused: BTreeMap::new(),
             lacking: BTreeMap::new(),
+            missing: HashSet::new(),
+            nodes_are_checked: false,
             room: MOST_IDS,
             canonical: std::fs::canonicalize(path).into_iter().collect(),
         }
@@ -109,6 +117,39 @@ impl MeshReading {
     /// together.
     pub fn lacks(&mut self, property: &'static str, place: FilePlace, cure: &'static str) {
         self.lacking.entry(property).or_insert((0, place, cure)).0 += 1;
+    }
+
+    /// Reports that an element has a node, as the file names it, that is missing.
+    pub fn lacks_node(
+        &mut self,
+        element: u64,
+        node: impl std::fmt::Display,
+        place: FilePlace,
+        help: &str,
+    ) {
+        let message = format!("element {element} has node {node}, which is missing");
+        self.error("no node", place, message, help);
+    }
+
+    /// Reports that a set has nodes, as the file names them, that are missing.
+    pub fn set_lacks(&mut self, name: &str, missing: &[u64], place: FilePlace) {
+        let Some(first) = missing.first() else { return };
+        let others = match missing.len() {
+            1 => String::new(),
+            n => format!(" and {} more", n - 1),
+        };
+        let message = format!("set `{name}` has node {first}{others}, which is missing");
+        self.error("set", place, message, "add the node or correct the set");
+    }
+
+    /// Keeps in mind that a node of the mesh is missing and that an error says so.
+    pub fn reported(&mut self, nodes: impl IntoIterator<Item = u64>) {
+        self.missing.extend(nodes);
+    }
+
+    /// Returns true if an error says that this node of the mesh is missing.
+    pub fn is_reported(&self, node: u64) -> bool {
+        self.missing.contains(&node)
     }
 
     /// Returns `FILE:LINE` of a place.
@@ -325,7 +366,12 @@ impl MeshReading {
         rows
     }
 
-    fn check_nodes(&mut self) {
+    /// Checks the ids and coordinates of the nodes, once: a reader whose own checks need them calls
+    /// this after its last node.
+    pub fn check_nodes(&mut self) {
+        if std::mem::replace(&mut self.nodes_are_checked, true) {
+            return;
+        }
         let nodes = std::mem::take(&mut self.mesh.nodes);
         let mut first: HashMap<u64, FilePlace> = HashMap::with_capacity(nodes.len());
         for node in &nodes {
@@ -346,17 +392,19 @@ impl MeshReading {
     fn check_elements(&mut self) {
         let elements = std::mem::take(&mut self.mesh.elements);
         let known: HashSet<u64> = self.mesh.nodes.iter().map(|n| n.id).collect();
+        let before = self.missing.clone();
         let mut first: HashMap<u64, FilePlace> = HashMap::with_capacity(elements.len());
         for element in &elements {
-            if let Some(before) = first.insert(element.id, element.place) {
-                let before = self.at(before);
-                let message = format!("element {} is defined twice, first at {before}", element.id);
+            if let Some(other) = first.insert(element.id, element.place) {
+                let other = self.at(other);
+                let message = format!("element {} is defined twice, first at {other}", element.id);
                 self.error("element twice", element.place, message, "give each a unique id");
             }
-            if let Some(node) = element.corners.iter().find(|node| !known.contains(node)) {
-                let message = format!("element {} has node {node}, which is missing", element.id);
-                let help = "define the node, or correct or remove the element";
-                self.error("no node", element.place, message, help);
+            let missing = |node: &&u64| !known.contains(node) && !before.contains(node);
+            if let Some(node) = element.corners.iter().find(missing) {
+                self.lacks_node(element.id, node, element.place, NODE_HELP);
+                let all = element.corners.iter().copied().filter(|node| !known.contains(node));
+                self.missing.extend(all);
             }
             let corners = &element.corners;
             if let Some(twice) = (1..corners.len()).find(|&i| corners[..i].contains(&corners[i])) {
@@ -378,17 +426,12 @@ impl MeshReading {
         let known: HashSet<u64> = self.mesh.nodes.iter().map(|n| n.id).collect();
         let mut wrong = Vec::new();
         for (name, ids) in &self.mesh.node_sets {
-            let missing: Vec<u64> = ids.iter().copied().filter(|id| !known.contains(id)).collect();
-            if let Some(first) = missing.first() {
-                let others = match missing.len() {
-                    1 => String::new(),
-                    n => format!(" and {} more", n - 1),
-                };
-                wrong.push(format!("set `{name}` has node {first}{others}, which is missing"));
-            }
+            let missing = ids.iter().copied();
+            let missing = missing.filter(|id| !known.contains(id) && !self.missing.contains(id));
+            wrong.push((name.clone(), missing.collect::<Vec<u64>>()));
         }
-        for message in wrong {
-            self.error("set", FilePlace::default(), message, "add the node or correct the set");
+        for (name, missing) in wrong {
+            self.set_lacks(&name, &missing, FilePlace::default());
         }
     }
 

@@ -3,11 +3,11 @@
 use super::AbaqusModel;
 use super::assembly_sets::AssemblySets;
 use super::blocks::AbaqusBlock;
-use super::scope::{MeshScope, ScopeElement, SectionBlock, is_general, number_of};
+use super::scope::{MeshScope, ScopeElement, SectionBlock, foreign_id, is_general, number_of};
 use crate::input::mesh_file::boundary::{CellGroup, bounding};
-use crate::input::mesh_file::cells::Cell;
+use crate::input::mesh_file::cells::{Cell, CellUse};
 use crate::input::mesh_file::content::FileNode;
-use crate::input::mesh_file::reading::{Fate, MeshReading};
+use crate::input::mesh_file::reading::{Fate, MeshReading, NODE_HELP};
 use crumple_proto::job::{BeamInput, BeamSection};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -94,12 +94,35 @@ pub struct Placed<'a> {
     prefix: String,
     /// Number that is added to the ids of nodes and elements.
     shift: u64,
+    /// Places of its own nodes in the list of the scope.
+    own: HashMap<u64, usize>,
+    /// Nodes of other scopes that its elements have, by the ids that stand for them.
+    foreign: HashMap<u64, FileNode>,
 }
 
 impl Placed<'_> {
     /// Returns the id of one of its nodes or elements in the mesh.
     pub fn id(&self, own: u64) -> u64 {
-        own.saturating_add(self.shift)
+        match self.foreign.get(&own) {
+            Some(node) => node.id,
+            None if foreign_id(self.scope.foreign.len()) < own => own,
+            None => own.saturating_add(self.shift),
+        }
+    }
+
+    /// Returns true if it has a node.
+    pub fn has_node(&self, id: u64) -> bool {
+        self.own.contains_key(&id) || self.foreign.contains_key(&id)
+    }
+
+    /// Returns one of its own nodes as it is in the mesh.
+    fn node(&self, own: u64) -> Option<FileNode> {
+        Some(self.in_mesh(&self.scope.nodes[*self.own.get(&own)?]))
+    }
+
+    fn in_mesh(&self, node: &FileNode) -> FileNode {
+        let x = self.instance.map_or(node.x, |instance| instance.position(node.x));
+        FileNode { id: self.id(node.id), x, place: node.place }
     }
 
     /// Returns a direction of its part in space.
@@ -112,11 +135,14 @@ impl Placed<'_> {
 
 /// Adds everything to the mesh.
 pub fn assemble(model: AbaqusModel, reading: &mut MeshReading) {
-    let placed = placed(&model, reading);
+    let mut placed = placed(&model, reading);
+    placed.iter().for_each(|one| add_nodes(one, reading));
+    reading.check_nodes();
+    find_foreign(&model, &mut placed, reading);
+    check_missing(&placed, !model.instances.is_empty(), reading);
     let sets = AssemblySets::read(&model, &placed, reading);
     let mut parts = PartTable { known: BTreeMap::new(), rigid: sets.rigid() };
     for (index, one) in placed.iter().enumerate() {
-        add_nodes(one, reading);
         parts.add_elements(index, one, reading);
         for set in one.scope.node_sets.values().filter(|set| !set.internal) {
             let name = format!("{}{}", one.prefix, set.name);
@@ -173,22 +199,92 @@ fn placed<'a>(model: &'a AbaqusModel, reading: &mut MeshReading) -> Vec<Placed<'
             true => String::new(),
             false => format!("{name}."),
         };
-        if shift > 0 {
+        if shift > 0 && !scope.nodes.is_empty() {
             let of = if name.is_empty() { "the assembly" } else { name.as_str() };
             let became = format!("ids of the file plus {shift}");
             reading.row(Fate::Read, format!("ids of {of}"), scope.nodes.len(), became);
         }
-        all.push(Placed { scope, instance, name, prefix, shift });
+        let own = scope.nodes.iter().zip(0..).map(|(node, index)| (node.id, index)).collect();
+        let foreign = HashMap::new();
+        all.push(Placed { scope, instance, name, prefix, shift, own, foreign });
     }
     all
 }
 
-fn add_nodes(one: &Placed, reading: &mut MeshReading) {
-    for node in &one.scope.nodes {
-        let x = one.instance.map_or(node.x, |instance| instance.position(node.x));
-        let id = one.id(node.id);
-        reading.mesh.nodes.push(FileNode { id, x, place: node.place });
+/// Finds the nodes that elements name as `INSTANCE.NODE`. Reports those that are missing.
+fn find_foreign(model: &AbaqusModel, placed: &mut [Placed], reading: &mut MeshReading) {
+    for index in 0..placed.len() {
+        let scope = placed[index].scope;
+        let mut found = HashMap::new();
+        for (node, one) in scope.foreign.iter().enumerate() {
+            let id = foreign_id(node);
+            let mut owners = placed.iter().filter(|p| p.name.eq_ignore_ascii_case(&one.instance));
+            match owners.find_map(|owner| owner.node(one.node)) {
+                Some(node) => {
+                    found.insert(id, node);
+                    continue;
+                }
+                None if model.has_instance(&one.instance) => {
+                    let name = format!("{}.{}", one.instance, one.node);
+                    reading.lacks_node(one.element, name, one.place, NODE_HELP);
+                }
+                None => {
+                    let message =
+                        format!("element {}: there is no instance `{}`", one.element, one.instance);
+                    let help = "correct its nodes, or add the instance";
+                    reading.error("instance", one.place, message, help);
+                }
+            }
+            reading.reported([placed[index].id(id)]);
+        }
+        placed[index].foreign = found;
     }
+}
+
+/// Reports the nodes of elements and sets that are missing, with the numbers of the file: those of
+/// the mesh are shifted.
+fn check_missing(placed: &[Placed], has_instances: bool, reading: &mut MeshReading) {
+    for (index, one) in placed.iter().enumerate() {
+        let scope = one.scope;
+        // A part that is placed again has the same errors.
+        let is_first = !placed[..index].iter().any(|before| std::ptr::eq(before.scope, scope));
+        let help = match has_instances && one.instance.is_none() {
+            true => "define the node in *ASSEMBLY, or write INSTANCE.NODE for that of an instance",
+            false => NODE_HELP,
+        };
+        let mut missing = HashSet::new();
+        let is_refused = |e: &&ScopeElement| matches!(e.cell.usage(), CellUse::Refused(_));
+        for element in scope.elements.iter().filter(|e| !is_refused(e)) {
+            let towards = element.towards.filter(|_| has_beams(scope));
+            let nodes = element.corners.iter().copied().chain(towards);
+            let lost: Vec<u64> = nodes
+                .filter(|&node| !one.has_node(node) && !reading.is_reported(one.id(node)))
+                .collect();
+            if let Some(first) = lost.first().filter(|_| is_first) {
+                reading.lacks_node(element.id, first, element.place, help);
+            }
+            missing.extend(lost);
+        }
+        reading.reported(missing.iter().map(|&node| one.id(node)));
+        for set in scope.node_sets.values().filter(|set| !set.internal) {
+            let is_lost = |id: u64| !one.has_node(id) && !reading.is_reported(one.id(id));
+            let lost = (0..).zip(&set.ids).filter(|(_, id)| is_lost(**id));
+            let (at, lost): (Vec<usize>, Vec<u64>) = lost.map(|(at, id)| (at, *id)).unzip();
+            if let Some(&at) = at.first().filter(|_| is_first) {
+                reading.set_lacks(&set.name, &lost, set.place(at));
+            }
+            reading.reported(lost.iter().map(|&id| one.id(id)));
+        }
+    }
+}
+
+/// Returns true if a scope has sections of beams, which need directions.
+fn has_beams(scope: &MeshScope) -> bool {
+    scope.sections.iter().any(|section| section.kind.starts_with("BEAM"))
+}
+
+fn add_nodes(one: &Placed, reading: &mut MeshReading) {
+    reading.mesh.nodes.extend(one.scope.nodes.iter().map(|node| one.in_mesh(node)));
 }
 
 /// Parts by the scope, section or set of elements that they come from.
@@ -218,18 +314,15 @@ impl PartTable<'_> {
         let dropped: Vec<&str> =
             free.keys().zip(&dropped).filter(|(_, bounds)| **bounds).map(|(b, _)| *b).collect();
         let of_bodies = scope.rigid_elements(reading);
-        let has_beams = scope.sections.iter().any(|s| s.kind.starts_with("BEAM"));
-        let nodes = scope.nodes.iter().filter(|_| has_beams);
-        let at: HashMap<u64, [f64; 3]> = nodes.map(|node| (node.id, node.x)).collect();
+        let nodes = scope.nodes.iter().map(|node| (node.id, node.x));
+        // A scope with nodes of others has no place of its own.
+        let nodes = nodes.chain(one.foreign.iter().map(|(&id, node)| (id, node.x)));
+        let has_beams = has_beams(scope);
+        let at: HashMap<u64, [f64; 3]> = nodes.filter(|_| has_beams).collect();
         for element in &scope.elements {
             let section = of_section.get(&element.id).map(|&index| &scope.sections[index]);
             if section.is_none() && dropped.contains(&element.block.as_str()) {
                 continue;
-            }
-            if let Some(node) = element.towards.filter(|node| has_beams && !at.contains_key(node)) {
-                let message = format!("element {} has node {node}, which is missing", element.id);
-                let help = "define the node, or correct or remove the element";
-                reading.error("no node", element.place, message, help);
             }
             let rigid = element.rigid
                 || of_bodies.contains(&element.id)

@@ -115,7 +115,26 @@ impl<'a> AssemblySets<'a> {
                 None => no_set(set, block.place, reading),
             }
         }
+        self.check_nodes(block, name, &ids, reading);
         extend(&mut self.node_sets, block, name, ids);
+    }
+
+    /// Reports the nodes of a set that are missing, with the numbers of the file.
+    fn check_nodes(
+        &self,
+        block: &AbaqusBlock,
+        name: &str,
+        ids: &ScopedIds,
+        reading: &mut MeshReading,
+    ) {
+        let is_missing = |&&(scope, id): &&(usize, u64)| {
+            let one = &self.placed[scope];
+            !one.has_node(id) && !reading.is_reported(one.id(id))
+        };
+        let missing: ScopedIds = ids.iter().filter(is_missing).copied().collect();
+        let own: Vec<u64> = missing.iter().map(|&(_, id)| id).collect();
+        reading.set_lacks(name, &own, block.place);
+        reading.reported(missing.iter().map(|&(scope, id)| self.placed[scope].id(id)));
     }
 
     fn element_set(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
@@ -143,6 +162,7 @@ impl<'a> AssemblySets<'a> {
                 IdKind::Element => nodes.extend(self.faces(&ids, line, reading)),
             }
         }
+        self.check_nodes(block, name, &nodes, reading);
         extend(&mut self.surfaces, block, name, nodes);
     }
 

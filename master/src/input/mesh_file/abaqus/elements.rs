@@ -57,6 +57,9 @@ const TYPES: &[(&str, usize, Cell)] = &[
     ("SPRING1", 1, Cell::Joint("spring", "springs: mesh.springs of a job with its own mesh")),
     ("SPRING2", 2, Cell::Joint("spring", "springs: mesh.springs of a job with its own mesh")),
     ("DASHPOTA", 2, Cell::Joint("damper", "dampers: mesh.springs of a job with its own mesh")),
+    ("DASHPOTA", 2, Cell::Joint("dashpot", "dampers: mesh.springs of a job with its own mesh")),
+    ("DASHPOT1", 1, Cell::Joint("dashpot", "dampers: mesh.springs of a job with its own mesh")),
+    ("DASHPOT2", 2, Cell::Joint("dashpot", "dampers: mesh.springs of a job with its own mesh")),
     ("CONN3D2", 2, Cell::Joint("connector", "connectors: [[rigid]] or [[tie]]")),
 ];
 

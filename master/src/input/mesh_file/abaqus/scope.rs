@@ -21,14 +21,33 @@ pub struct ScopeElement {
     pub place: FilePlace,
 }
 
+/// A node of an instance that an element of the assembly names, as `INSTANCE.NODE`.
+pub struct ForeignNode {
+    pub instance: String,
+    pub node: u64,
+    /// Id of the element.
+    pub element: u64,
+    pub place: FilePlace,
+}
+
 /// A set of nodes or elements.
 #[derive(Clone, Default)]
 pub struct NamedIds {
     /// Name as it is written.
     pub name: String,
     pub ids: Vec<u64>,
+    /// Index of the first id of each keyword that adds ids, and its place.
+    starts: Vec<(usize, FilePlace)>,
     /// True if the program that wrote the file made it for itself.
     pub internal: bool,
+}
+
+impl NamedIds {
+    /// Returns the place of the keyword that gave the id with this index.
+    pub fn place(&self, index: usize) -> FilePlace {
+        let after = self.starts.partition_point(|start| start.0 <= index);
+        after.checked_sub(1).map_or(FilePlace::default(), |last| self.starts[last].1)
+    }
 }
 
 /// A section of elements.
@@ -52,6 +71,8 @@ pub struct MeshScope {
     pub name: String,
     pub nodes: Vec<FileNode>,
     pub elements: Vec<ScopeElement>,
+    /// Nodes of other scopes; elements name them by [`foreign_id`] of the index.
+    pub foreign: Vec<ForeignNode>,
     /// Sets by their name in capitals.
     pub node_sets: BTreeMap<String, NamedIds>,
     /// The same for elements.
@@ -118,7 +139,7 @@ impl MeshScope {
         }
         if let Some(name) = block.value("NSET") {
             let ids = self.nodes[first..].iter().map(|node| node.id).collect::<Vec<_>>();
-            add_ids(&mut self.node_sets, name, false, ids);
+            add_ids(&mut self.node_sets, name, block, ids);
         }
     }
 
@@ -139,40 +160,68 @@ impl MeshScope {
         let mut lines = block.data.iter();
         while let Some(line) = lines.next() {
             let mut fields: Vec<&str> = line.fields.iter().map(String::as_str).collect();
-            let mut open = line.open || width > 8;
+            let is_joint = matches!(cell, Cell::Joint(..));
+            let mut open = line.open && !is_joint || width > 8;
             while fields.len() < width + 1 && open {
                 let Some(next) = lines.next() else { break };
                 fields.extend(next.fields.iter().map(String::as_str));
                 open = next.open || width > 8;
             }
-            let numbers: Option<Vec<u64>> = fields.iter().map(|f| f.parse().ok()).collect();
-            let Some((id, corners)) = numbers.as_deref().and_then(<[u64]>::split_first) else {
+            // A connector or spring whose node is blank is held by the ground.
+            fields.retain(|field| !is_joint || !field.is_empty());
+            let Some((id, corners)) = self.numbers(&fields, line.place) else {
                 let message = format!("`{}` is no element", line.fields.join(", "));
-                let help = "write its id and its nodes, whole numbers with commas between them";
+                let help = "write its id and its nodes, whole numbers with commas between them; \
+                            in *ASSEMBLY, nodes of instances as INSTANCE.NODE";
                 reading.error("element", line.place, message, help);
                 continue;
             };
+            let least = if is_joint { 1 } else { width };
             // A beam may have a third node for its direction.
-            if corners.len() < width || corners.len() > width + usize::from(cell == Cell::Line) {
+            if corners.len() < least || corners.len() > width + usize::from(cell == Cell::Line) {
                 let message =
                     format!("element {id} of type {name} has {} nodes, not {width}", corners.len());
                 reading.error("width", line.place, message, "correct its nodes or its type");
                 continue;
             }
             self.elements.push(ScopeElement {
-                id: *id,
+                id,
                 cell,
                 block: set.unwrap_or(&name).to_string(),
                 rigid: is_rigid(&name),
-                corners: corners[..width].to_vec(),
+                corners: corners.iter().copied().take(width).collect(),
                 towards: corners.get(width).copied(),
                 place: line.place,
             });
         }
         if let Some(set) = set {
             let ids = self.elements[first..].iter().map(|e| e.id).collect::<Vec<_>>();
-            add_ids(&mut self.element_sets, set, false, ids);
+            add_ids(&mut self.element_sets, set, block, ids);
         }
+    }
+
+    /// Returns the id and the nodes of an element, `None` if a field is no number. A node of an
+    /// instance gets an id here that stands for it.
+    fn numbers(&mut self, fields: &[&str], place: FilePlace) -> Option<(u64, Vec<u64>)> {
+        let (id, nodes) = fields.split_first()?;
+        let element = id.parse().ok()?;
+        let mut found = Vec::with_capacity(nodes.len());
+        for text in nodes {
+            if let Ok(node) = text.parse() {
+                found.push(node);
+                continue;
+            }
+            let (instance, node) = text.rsplit_once('.')?;
+            let instance = instance.trim_matches('"').to_string();
+            // `2.5` is a wrong number and no node of an instance.
+            if instance.is_empty() || instance.starts_with(|c: char| c.is_ascii_digit()) {
+                return None;
+            }
+            let node = node.parse().ok()?;
+            found.push(foreign_id(self.foreign.len()));
+            self.foreign.push(ForeignNode { instance, node, element, place });
+        }
+        Some((element, found))
     }
 
     fn node_set(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
@@ -190,14 +239,14 @@ impl MeshScope {
             }
         }
         if let Some(name) = set_name(block, "NSET", reading) {
-            add_ids(&mut self.node_sets, name, block.has("INTERNAL"), ids);
+            add_ids(&mut self.node_sets, name, block, ids);
         }
     }
 
     fn element_set(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
         let ids = ids_of(block, &self.element_sets, reading);
         if let Some(name) = set_name(block, "ELSET", reading) {
-            add_ids(&mut self.element_sets, name, block.has("INTERNAL"), ids);
+            add_ids(&mut self.element_sets, name, block, ids);
         }
     }
 
@@ -223,7 +272,7 @@ impl MeshScope {
             }
         }
         if let Some(name) = set_name(block, "NAME", reading) {
-            add_ids(&mut self.node_sets, name, false, nodes);
+            add_ids(&mut self.node_sets, name, block, nodes);
         }
     }
 
@@ -382,15 +431,24 @@ pub fn set_name<'b>(
     name
 }
 
-/// Adds ids to a set.
-pub fn add_ids(
+/// Returns the id that stands for a node of another scope: no file has ids that large.
+pub fn foreign_id(index: usize) -> u64 {
+    u64::MAX - index as u64
+}
+
+/// Adds the ids of a keyword to a set.
+fn add_ids(
     sets: &mut BTreeMap<String, NamedIds>,
     name: &str,
-    internal: bool,
+    block: &AbaqusBlock,
     ids: impl IntoIterator<Item = u64>,
 ) {
-    let new = || NamedIds { name: name.into(), ids: Vec::new(), internal };
-    sets.entry(name.to_uppercase()).or_insert_with(new).ids.extend(ids);
+    // Names of surfaces and of blocks of nodes or elements are always those of the user.
+    let internal = block.keyword.ends_with("SET") && block.has("INTERNAL");
+    let new = || NamedIds { name: name.into(), internal, ..NamedIds::default() };
+    let set = sets.entry(name.to_uppercase()).or_insert_with(new);
+    set.starts.push((set.ids.len(), block.place));
+    set.ids.extend(ids);
 }
 
 /// Returns the ids of the lines of a set: numbers, names of sets, or ranges; each id once.

@@ -8,9 +8,10 @@ mod properties;
 
 use super::boundary;
 use super::cells::{Cell, CellUse};
-use super::content::FileNode;
+use super::content::{FileNode, FilePlace};
 use super::reading::{Fate, MeshReading};
 use cards::{BulkCard, FieldFault};
+use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, HashMap};
 
 /// Returns true if a line begins bulk data or is a card of nodes or elements.
@@ -123,6 +124,33 @@ pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
     }
     reader.add_materials();
     boundary::drop_bounding(reading);
+    warn_of_mixed_parts(reading);
+}
+
+/// Warns of each part whose elements are of several kinds: of the cards of properties with its id,
+/// the last one counts.
+fn warn_of_mixed_parts(reading: &mut MeshReading) {
+    let kind = |shape: Shape| match shape {
+        _ if shape.is_solid() => "solids",
+        _ if shape.is_shell() => "shells",
+        _ => "bars",
+    };
+    let mut first: BTreeMap<usize, BTreeMap<&str, FilePlace>> = BTreeMap::new();
+    for element in &reading.mesh.elements {
+        let kinds = first.entry(element.part).or_default();
+        kinds.entry(kind(element.shape)).or_insert(element.place);
+    }
+    for (part, kinds) in first.into_iter().filter(|(_, kinds)| kinds.len() > 1) {
+        let names: Vec<&str> = kinds.keys().copied().collect();
+        let place = kinds.values().copied().max().unwrap_or_default();
+        let message = format!(
+            "property {} has {}; they are one part, with one material",
+            reading.mesh.parts[part].id,
+            names.join(" and ")
+        );
+        let help = "give each kind a property with an id of its own";
+        reading.warning(place, message, help);
+    }
 }
 
 impl BulkReader<'_> {
