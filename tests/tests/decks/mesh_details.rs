@@ -252,23 +252,77 @@ fn rigid_elements_of_a_section_are_a_part_of_their_own() {
     assert_eq!(of, [0, 1]);
 }
 
-/// An unknown keyword does not end a material, further rates are left out, and values without a
-/// material are an error.
+/// An unknown keyword does not end a material, curves of several rates are one table, and values
+/// without a material are an error.
 #[test]
 fn materials_go_on_after_unknown_keywords() {
     let plate = text_of("broken/plate.inp");
     let heat = "*Inelastic Heat Fraction\n0.9,\n*Plastic, rate=0.\n";
     let text = changed(&plate, "*Plastic\n", heat) + "*Plastic, rate=10.\n400., 0.\n500., 0.2\n";
     let found = good("a.inp", &text);
-    assert_eq!(found.mesh.materials[0].hardening, [[0.0, 300.0], [0.5, 500.0]]);
+    let rows = [[0.0, 0.0, 300.0], [0.0, 0.5, 500.0], [10.0, 0.0, 400.0], [10.0, 0.2, 500.0]];
+    assert_eq!(found.mesh.materials[0].hardening_by_rate, rows);
     let heat = row(&found, "*INELASTIC HEAT FRACTION of material Steel");
     assert_eq!(heat, Some((Fate::Ignored, 1)));
     let rate = row(&found, "*PLASTIC, RATE= of material Steel");
-    assert_eq!(rate, Some((Fate::LeftOut, 1)));
+    assert_eq!(rate, Some((Fate::Read, 2)));
     let twice = plate.clone() + "*Plastic\n400., 0.\n";
     refused("a.inp", &twice, "material `Steel` has *PLASTIC twice");
     let outside = plate + "*Step\n*Elastic\n1., 0.\n";
     refused("a.inp", &outside, "*ELASTIC belongs to no *MATERIAL");
+}
+
+/// Plasticity of Johnson and Cook, and each form of the strain rate, are keys of the job, and the
+/// job is valid. What a law does not have is a row of the table.
+#[test]
+fn strain_rates_of_abaqus_are_keys_of_the_law() {
+    let folder = tempfile::tempdir().unwrap();
+    let curve = "*Plastic\n300., 0.\n500., 0.5\n";
+    let plate = changed(&text_of("broken/plate.inp"), curve, "");
+    let cook = "*Plastic, hardening=JOHNSON COOK\n300., 500., 0.3\n";
+    let hot = "*Plastic, hardening=Johnson  Cook\n300., 500., 0.3, 1.03, 1700., 293.\n";
+    let fast = "*Plastic, rate=10.\n400., 0.\n600., 0.5\n";
+    let power = "*Rate Dependent\n40., 5.\n";
+    let ratio = "*Rate Dependent, type=YIELD RATIO\n1., 0.\n1.5, 100.\n";
+    let cook_rate = "*Rate Dependent, type=JOHNSON COOK\n0.02, 1.\n";
+    let cases: [(&[&str], &[&str]); 5] = [
+        (&[hot, cook_rate], &["johnson_cook", "a = 300.0", "b = 500.0", "n = 0.3", "c = 0.02"]),
+        (&[cook], &["law = \"johnson_cook\""]),
+        (&[curve, power], &["law = \"j2\"", "cowper_symonds = [40.0, 5.0]", "viscoplastic = true"]),
+        (&[curve, ratio], &["rate_factors = [[0.0, 1.0], [100.0, 1.5]]", "viscoplastic = true"]),
+        (&[fast, curve], &["hardening_by_rate = [[0.0, 0.0, 300.0], [0.0, 0.5, 500.0], [10.0,"]),
+    ];
+    for (number, (parts, keys)) in cases.iter().enumerate() {
+        let [file, out] = ["inp", "job"].map(|end| folder.path().join(format!("{number}.{end}")));
+        fs::write(&file, plate.clone() + &parts.concat()).unwrap();
+        let [file, to] = [&file, &out].map(|path| path.to_str().unwrap());
+        let said = run(crumple_with(&["import", file, "--out", to])).with_code(0).said();
+        let job = fs::read_to_string(out.join("job.toml")).unwrap();
+        assert!(keys.iter().all(|key| job.contains(key)), "{keys:?}: {said}{job}");
+        run(crumple_with(&["check", to])).with_code(0);
+    }
+    let with = |parts: &[&str]| good("a.inp", &(plate.clone() + &parts.concat()));
+    let found = with(&[hot, power]);
+    let heat = row(&found, "m and temperatures of material Steel");
+    assert_eq!(heat, Some((Fate::LeftOut, 1)));
+    let rate = "*RATE DEPENDENT of material Steel";
+    assert_eq!(row(&found, rate), Some((Fate::LeftOut, 1)));
+    assert_eq!(row(&with(&[curve, cook_rate]), rate), Some((Fate::LeftOut, 1)));
+    let other = changed(power, "Dependent", "Dependent, type=USER");
+    let other = row(&with(&[curve, &other]), "*RATE DEPENDENT, TYPE=USER of material Steel");
+    assert_eq!(other, Some((Fate::LeftOut, 1)));
+    for (old, new, wanted) in [
+        (cook, "*Plastic, hardening=JOHNSON COOK\n300., 500.\n", "lacks A, B or n of Johnson"),
+        (cook, "*Plastic, hardening=JOHNSON COOK\n-1., 5., 1.\n", ":34: Johnson and Cook: A is -1"),
+        (power, "*Rate Dependent\n40.\n", "*RATE DEPENDENT of material `Steel` lacks a value"),
+        (power, "*Rate Dependent\n0., 5.\n", "*RATE DEPENDENT has the values 0 and 5"),
+        (power, "*Rate Dependent\n", "*RATE DEPENDENT has no values"),
+        (ratio, "*Rate Dependent, type=YIELD RATIO\n1., x\n", "`1., x` is no ratio and rate"),
+        (fast, "*Plastic, rate=fast\n400., 0.\n", "`fast` is no strain rate"),
+    ] {
+        let text = plate.clone() + cook + power + ratio + fast;
+        refused("a.inp", &changed(&text, old, new), wanted);
+    }
 }
 
 /// Elements and sections that bend otherwise than a shell are refused, and left out if the job

@@ -73,8 +73,38 @@ pub struct FileMaterial {
     pub youngs_modulus: Option<f64>,
     /// Poisson's ratio.
     pub poisson: Option<f64>,
-    /// Plastic strain and yield stress [-, force/length^2]; empty for an elastic material.
+    /// Plastic strain and yield stress [-, force/length^2]; empty without such a curve.
     pub hardening: Vec<[f64; 2]>,
+    /// Rate, plastic strain and yield stress, if the file has curves for several rates
+    /// [1/time, -, force/length^2].
+    pub hardening_by_rate: Vec<[f64; 3]>,
+    /// A, B and n of Johnson and Cook, if the file has them instead of curves
+    /// [force/length^2, force/length^2, -].
+    pub johnson_cook: Option<[f64; 3]>,
+    /// Effect of the rate on the yield stress.
+    pub rate: Option<FileRate>,
+}
+
+impl FileMaterial {
+    /// Returns the name of its law.
+    pub fn law(&self) -> &'static str {
+        match self.johnson_cook {
+            Some(_) => "johnson_cook",
+            None if self.hardening.is_empty() && self.hardening_by_rate.is_empty() => "elastic",
+            None => "j2",
+        }
+    }
+}
+
+/// Effect of the strain rate on the yield stress of a material.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FileRate {
+    /// C and p: the factor `1 + (rate/C)^(1/p)` [1/time, -].
+    CowperSymonds([f64; 2]),
+    /// Rates and factors [1/time, -].
+    Factors(Vec<[f64; 2]>),
+    /// C and the reference rate: the factor `1 + C ln(rate/reference_rate)` [-, 1/time].
+    JohnsonCook([f64; 2]),
 }
 
 /// Everything that is read from a file.

@@ -23,7 +23,7 @@ mod reading;
 mod stl;
 mod vtk;
 
-pub use content::{FileMaterial, FileMesh, FilePart};
+pub use content::{FileMaterial, FileMesh, FilePart, FileRate};
 pub use reading::{Fate, ImportRow, table};
 
 use crate::input::deck::{DeckFates, sniff};

@@ -359,8 +359,7 @@ impl MeshReading {
             read(format!("nodes of {name}"), ids.len(), format!("node set `{name}`"));
         }
         for material in &self.mesh.materials {
-            let law = if material.hardening.is_empty() { "elastic" } else { "j2" };
-            let became = format!("[[material]] `{}`, law {law}", material.name);
+            let became = format!("[[material]] `{}`, law {}", material.name, material.law());
             read(format!("material {}", material.name), 1, became);
         }
         rows

@@ -1,6 +1,6 @@
 //! Text of a job for a mesh file.
 
-use super::super::{FileMaterial, FileMesh, FilePart, ReadMesh};
+use super::super::{FileMaterial, FileMesh, FilePart, FileRate, ReadMesh};
 use crate::input::job::units_fit;
 use crumple_proto::job::{BeamInput, BeamSection};
 use crumple_proto::mesh::Shape;
@@ -116,8 +116,7 @@ fn materials(mesh: &FileMesh, steel: (f64, f64), placeholders: &mut Vec<String>)
     let mut out = String::new();
     for material in &mesh.materials {
         let _ = writeln!(out, "\n[[material]]\nname = {}", quoted(&material.name));
-        let law = if material.hardening.is_empty() { "elastic" } else { "j2" };
-        let _ = writeln!(out, "law = \"{law}\"");
+        let _ = writeln!(out, "law = \"{}\"", material.law());
         for (key, value, otherwise) in [
             ("density", material.density, steel.0),
             ("youngs_modulus", material.youngs_modulus, steel.1),
@@ -137,6 +136,7 @@ fn materials(mesh: &FileMesh, steel: (f64, f64), placeholders: &mut Vec<String>)
                 let _ = writeln!(out, "hardening = {rows:?}    # true stress over plastic strain");
             }
         }
+        out += &rates(material);
     }
     if mesh.parts.iter().any(|part| material_of(part, mesh) == NO_MATERIAL) {
         placeholders.push(format!("material.{NO_MATERIAL}"));
@@ -146,6 +146,36 @@ fn materials(mesh: &FileMesh, steel: (f64, f64), placeholders: &mut Vec<String>)
              density = {:?}\nyoungs_modulus = {:?}\npoisson = {POISSON:?}",
             steel.0, steel.1
         );
+    }
+    out
+}
+
+/// Returns the keys of a material that depend on the strain rate, and those of Johnson and Cook.
+fn rates(material: &FileMaterial) -> String {
+    let mut out = String::new();
+    if let Some([a, b, n]) = material.johnson_cook {
+        let _ = writeln!(out, "a = {a:?}\nb = {b:?}\nn = {n:?}");
+    }
+    let by_rate = &material.hardening_by_rate;
+    if !by_rate.is_empty() {
+        let _ = writeln!(out, "hardening_by_rate = {by_rate:?}    # rate, plastic strain, stress");
+    }
+    match &material.rate {
+        None => {}
+        Some(FileRate::CowperSymonds(values)) => {
+            let _ = writeln!(out, "cowper_symonds = {values:?}");
+        }
+        Some(FileRate::Factors(rows)) => {
+            let _ = writeln!(out, "rate_factors = {rows:?}");
+        }
+        Some(FileRate::JohnsonCook([c, reference])) => {
+            let _ = writeln!(out, "c = {c:?}\nreference_rate = {reference:?}");
+        }
+    }
+    let has_rate = material.rate.is_some() || !by_rate.is_empty();
+    if has_rate && material.law() == "j2" {
+        let _ =
+            writeln!(out, "viscoplastic = true    # the rate of Abaqus is that of plastic strain");
     }
     out
 }

@@ -121,7 +121,7 @@ impl BulkReader<'_> {
             density,
             youngs_modulus: e,
             poisson: nu.or(Some(0.0)),
-            hardening: Vec::new(),
+            ..FileMaterial::default()
         };
         let place = card.place;
         if let Some(before) = self.materials.insert(id, BulkMaterial { values, place }) {
