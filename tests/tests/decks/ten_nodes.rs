@@ -96,6 +96,77 @@ fn all_formats_have_one_order_of_nodes() {
     }
 }
 
+/// Gmsh has one order for all elements. Shells are read by their corners, and nodes on their sides
+/// that no other element has are left out, with rows of the table; the edge node 5 is that of the
+/// tetrahedron too.
+#[test]
+fn shells_next_to_tetrahedra_of_ten_nodes_are_read_by_their_corners() {
+    let more = [
+        [1.0, -3.0, 0.0],
+        [1.5, -1.5, 0.0],
+        [0.5, -1.5, 0.0],
+        [0.0, 0.0, 9.0],
+        [2.0, 0.0, 9.0],
+        [2.0, 2.0, 9.0],
+        [0.0, 2.0, 9.0],
+        [1.0, 0.0, 9.0],
+        [2.0, 1.0, 9.0],
+        [1.0, 2.0, 9.0],
+        [0.0, 1.0, 9.0],
+        [1.0, 1.0, 9.0],
+    ];
+    let all: Vec<[f64; 3]> = NODES.into_iter().chain(more).collect();
+    let (mut lines, mut ids, mut points) = (String::new(), String::new(), String::new());
+    for (id, [x, y, z]) in (1..).zip(all) {
+        let _ = writeln!(lines, "{id} {x} {y} {z}");
+        let _ = writeln!(ids, "{id}");
+        let _ = writeln!(points, "{x} {y} {z}");
+    }
+    let (six, nine) = ("1 2 11 5 12 13", "14 15 16 17 18 19 20 21 22");
+    let eight = nine.trim_end_matches(" 22");
+    let ten = "1 2 3 4 5 6 7 8 10 9";
+    let names = "$PhysicalNames\n2\n2 1 \"plate\"\n3 2 \"body\"\n$EndPhysicalNames\n";
+    let gmsh2 = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{names}$Nodes\n22\n{lines}$EndNodes\n\
+         $Elements\n3\n1 9 2 1 1 {six}\n2 16 2 1 1 {eight}\n3 11 2 2 1 {ten}\n$EndElements\n"
+    );
+    let gmsh4 = format!(
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{names}$Entities\n0 0 1 1\n\
+         1 0 0 0 0 3 4 1 1 0\n1 0 0 0 2 3 4 1 2 0\n$EndEntities\n\
+         $Nodes\n1 22 1 22\n3 1 0 22\n{ids}{points}$EndNodes\n\
+         $Elements\n3 3 1 3\n2 1 9 1\n1 {six}\n2 1 10 1\n2 {nine}\n3 1 11 1\n3 {ten}\n\
+         $EndElements\n"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.msh");
+    for (text, quad) in [(&gmsh2, "quad with 8 nodes"), (&gmsh4, "quad with 9 nodes")] {
+        fs::write(&path, text).unwrap();
+        let found = read(&path, false, None).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let of = |shape| found.mesh.elements.iter().find(|e| e.shape == shape).unwrap();
+        assert_eq!(of(Shape::Tri3).corners, [1, 2, 11]);
+        assert_eq!(of(Shape::Quad4).corners, [14, 15, 16, 17]);
+        assert_eq!(of(Shape::Tet10).corners.len(), 10);
+        assert_eq!(found.mesh.nodes.len(), 10 + 1 + 4);
+        assert_eq!(found.mesh.node_sets["plate"], [1, 2, 5, 11, 14, 15, 16, 17]);
+        for what in ["triangle with 6 nodes", quad] {
+            let rows = found.rows.iter().filter(|row| row.what == what && row.count == 1);
+            let became: Vec<&str> = rows.map(|row| row.became.as_str()).collect();
+            assert!(
+                became.len() == 1 && became[0].contains("by the corners"),
+                "{what}: {became:?}"
+            );
+        }
+    }
+    // Solids of second order are others than these: their corners alone would be stiffer.
+    fs::write(
+        &path,
+        gmsh2.replace("2 16 2 1 1", "2 19 2 1 1").replace(eight, &format!("{eight} 1 2 3 4 5")),
+    )
+    .unwrap();
+    let problems = read(&path, false, None).err().expect("a pyramid is refused");
+    assert!(problems[0].message.contains("pyramid with 13 nodes"), "{problems:?}");
+}
+
 /// Nastran allows elements that lack some nodes on edges; they are an error, as those with some
 /// blanks would get other nodes there.
 #[test]

@@ -26,6 +26,9 @@ pub enum Cell {
     Pyramid,
     /// Nodes on its sides too; its name, and the dimension of its geometry.
     SecondOrder(&'static str, usize),
+    /// A shell with nodes on its sides too, which is read by its corners; its name, and the shape
+    /// of the corners.
+    ByCorners(&'static str, Shape),
     /// A mass, spring or connector, which the job has in sections of its own; its name, and what to
     /// write there.
     Joint(&'static str, &'static str),
@@ -62,7 +65,10 @@ impl Cell {
             Cell::Tetrahedron10 => "tetrahedron with 10 nodes",
             Cell::Wedge => "wedge with 6 nodes",
             Cell::Pyramid => "pyramid with 5 nodes",
-            Cell::SecondOrder(name, _) | Cell::Other(name, _) | Cell::Joint(name, _) => name,
+            Cell::SecondOrder(name, _)
+            | Cell::ByCorners(name, _)
+            | Cell::Other(name, _)
+            | Cell::Joint(name, _) => name,
         }
     }
 
@@ -78,10 +84,12 @@ impl Cell {
             Cell::Tetrahedron => CellUse::Element(Shape::Tet4),
             Cell::Tetrahedron10 => CellUse::Element(Shape::Tet10),
             Cell::Wedge => CellUse::Element(Shape::Wedge6),
+            Cell::ByCorners(_, shape) => CellUse::Element(shape),
             Cell::Pyramid => CellUse::Refused(PYRAMIDS),
             Cell::SecondOrder(..) => CellUse::Refused(
                 "mesh with elements of first order, without nodes on their sides (in Gmsh \
-                 Mesh.ElementOrder = 1); of second order only tetrahedra with 10 nodes are read",
+                 Mesh.ElementOrder = 1); of second order only tetrahedra with 10 nodes are read, \
+                 and shells of Gmsh by their corners",
             ),
             Cell::Other(..) => CellUse::Refused(
                 "these are read: quads, triangles, hexahedra with 8 nodes, tetrahedra with 4 or \
@@ -95,7 +103,7 @@ impl Cell {
         match self {
             Cell::Point | Cell::Joint(..) => 0,
             Cell::Line => 1,
-            Cell::Triangle | Cell::Quad => 2,
+            Cell::Triangle | Cell::Quad | Cell::ByCorners(..) => 2,
             Cell::SecondOrder(_, dimension) | Cell::Other(_, dimension) => dimension,
             Cell::Hexahedron
             | Cell::Tetrahedron

@@ -243,6 +243,12 @@ impl MeshReading {
         };
         let (shape, corners) = match (shape, corners) {
             (Shape::Quad4, [a, b, c, d]) if c == d => (Shape::Tri3, vec![*a, *b, *c]),
+            (Shape::Tri3 | Shape::Quad4, _) if matches!(cell, Cell::ByCorners(..)) => {
+                let became = "by the corners: their other nodes are left out, unless other \
+                              elements have them";
+                self.row(Fate::Read, cell.name(), 1, became);
+                (shape, corners.iter().copied().take(shape.corners()).collect())
+            }
             (Shape::Hex8, _) => corners
                 .first_chunk()
                 .and_then(solid_of_eight)

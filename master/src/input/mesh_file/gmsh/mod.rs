@@ -14,6 +14,7 @@ use super::cells::Cell;
 use super::content::{FileNode, FilePlace};
 use super::reading::{Fate, MeshReading};
 use super::shortened;
+use crumple_proto::mesh::Shape;
 use std::collections::BTreeMap;
 use stream::{MshForm, MshStream, RowFault};
 
@@ -56,7 +57,8 @@ pub struct MshReader<'a, 'b> {
     content: MshContent,
 }
 
-/// Element types of MSH: number, nodes, cell.
+/// Element types of MSH: number, nodes, cell. Gmsh has one order for all elements of a mesh, so that
+/// shells next to tetrahedra with 10 nodes have nodes on their sides too.
 const TYPES: &[(i64, usize, Cell)] = &[
     (1, 2, Cell::Line),
     (2, 3, Cell::Triangle),
@@ -66,14 +68,14 @@ const TYPES: &[(i64, usize, Cell)] = &[
     (6, 6, Cell::Wedge),
     (7, 5, Cell::Pyramid),
     (8, 3, Cell::SecondOrder("line with 3 nodes", 1)),
-    (9, 6, Cell::SecondOrder("triangle with 6 nodes", 2)),
-    (10, 9, Cell::SecondOrder("quad with 9 nodes", 2)),
+    (9, 6, Cell::ByCorners("triangle with 6 nodes", Shape::Tri3)),
+    (10, 9, Cell::ByCorners("quad with 9 nodes", Shape::Quad4)),
     (11, 10, Cell::Tetrahedron10),
     (12, 27, Cell::SecondOrder("hexahedron with 27 nodes", 3)),
     (13, 18, Cell::SecondOrder("wedge with 18 nodes", 3)),
     (14, 14, Cell::SecondOrder("pyramid with 14 nodes", 3)),
     (15, 1, Cell::Point),
-    (16, 8, Cell::SecondOrder("quad with 8 nodes", 2)),
+    (16, 8, Cell::ByCorners("quad with 8 nodes", Shape::Quad4)),
     (17, 20, Cell::SecondOrder("hexahedron with 20 nodes", 3)),
     (18, 15, Cell::SecondOrder("wedge with 15 nodes", 3)),
     (19, 13, Cell::SecondOrder("pyramid with 13 nodes", 3)),
