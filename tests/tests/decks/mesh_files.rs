@@ -238,6 +238,7 @@ fn a_wrong_extension_is_named() {
         ("*KEYWORD\n*END\n", "a.msh", "LS-DYNA keyword deck"),
         ("ISO-10303-21;\nHEADER;\n", "a.msh", "STEP geometry"),
         ("ply\nformat ascii 1.0\n", "a.stl", "PLY"),
+        ("# made\n MeshVersionFormatted 2\nDimension 3\n", "a.mesh", "Medit"),
         ("Point(1) = {0, 0, 0};\n", "a.msh", "Gmsh geometry"),
         ("hello\n", "a.msh", "is no file of the format Gmsh MSH"),
         ("hello\n", "a.xyz", "is not known"),
@@ -302,6 +303,7 @@ fn mesh_files_and_decks_under_each_others_names_are_named() {
         let problems = read(&at(name), false, None).err().unwrap();
         assert!(problems[0].message.contains("of the format LS-DYNA keyword deck"), "{problems:?}");
         assert!(problems[0].help.contains("mesh.deck"), "{problems:?}");
+        assert!(problems[0].help.contains(".k, .key or .dyn"), "{problems:?}");
         let job = format!("[mesh]\ndeck = \"{name}\"\n");
         fs::write(at("named.toml"), job).unwrap();
         let model = job::read(&at("named.toml"), &[]).unwrap_or_else(|report| panic!("{report}"));

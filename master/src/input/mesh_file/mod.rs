@@ -114,8 +114,8 @@ pub const FORMATS: &[MeshFormat] = &[
         "LS-DYNA keyword deck",
         &["k", "key", "dyn"],
         |head, _| sniff::is_ls_dyna(head),
-        "name it by mesh.deck of a job; or end its name in .k, and run it as it is: crumple run \
-         FILE.k",
+        "name it by mesh.deck of a job; or run it as it is, under a name that ends in .k, .key or \
+         .dyn: crumple run FILE.k",
     ),
     MeshFormat {
         name: "Radioss starter",
@@ -146,6 +146,12 @@ pub const FORMATS: &[MeshFormat] = &[
         &["unv"],
         |head, _| has_line(head, |line| line.trim() == "2411" || line.trim() == "2412"),
         "convert it, for example by Gmsh: gmsh FILE.unv -save -o FILE.msh",
+    ),
+    refused(
+        "Medit",
+        &["mesh", "meshb"],
+        |head, _| has_line(head, |line| line.trim_start().starts_with("MeshVersionFormatted")),
+        "convert it, for example by Gmsh: gmsh FILE.mesh -save -o FILE.msh",
     ),
     MeshFormat {
         name: ABAQUS,
