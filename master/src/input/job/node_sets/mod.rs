@@ -256,7 +256,8 @@ impl<'a> Resolver<'a> {
 
     /// Returns the nodes of a set, part or rigid body; reports an error at `path` if there is none.
     fn required(&mut self, name: &str, path: &str) -> Option<Members> {
-        if self.job.set.iter().any(|s| s.name == name) || self.is_known(name) {
+        let is_rule = self.job.set.iter().any(|s| s.name == name);
+        if is_rule || self.is_known(name) || part_of_id(self.job, name).is_some() {
             return self.named(name, path);
         }
         let own = self.job.set.iter().map(|s| s.name.as_str());
@@ -286,6 +287,11 @@ impl<'a> Resolver<'a> {
         let body = self.job.rigid.iter().position(|r| !name.is_empty() && r.name == name);
         if let Some(nodes) = body.and_then(|i| self.of_body(i)) {
             found.push(("rigid body", Rc::new(nodes)));
+        }
+        if !self.is_known(name)
+            && let Some(id) = part_of_id(self.job, name)
+        {
+            found.push(("part", Rc::new(self.of_parts(&[id]))));
         }
         let (kind, nodes) = found.first()?;
         // Titles in a deck need not differ, because its cards refer to numbers: the set wins.
@@ -352,7 +358,9 @@ impl<'a> Resolver<'a> {
         let Some(name) = of else { return Scope::Mesh };
         let parts = self.job.part.iter().filter(|p| p.name == name).map(|p| p.id);
         let bodies = self.job.rigid.iter().filter(|r| r.name == name && r.nodes.is_none());
-        let parts: Vec<u32> = parts.chain(bodies.flat_map(|r| r.parts.iter().copied())).collect();
+        let by_id = part_of_id(self.job, name).filter(|_| !self.is_known(name));
+        let bodies = bodies.flat_map(|r| r.parts.iter().copied());
+        let parts: Vec<u32> = parts.chain(bodies).chain(by_id).collect();
         if !parts.is_empty() {
             return Scope::Parts(parts);
         }
@@ -371,6 +379,12 @@ impl<'a> Resolver<'a> {
             }
         }
     }
+}
+
+/// Returns the id of a part that is given as the text of a name: a part need not have a name.
+fn part_of_id(job: &Job, name: &str) -> Option<u32> {
+    let id = name.parse().ok()?;
+    job.part.iter().any(|part| part.id == id).then_some(id)
 }
 
 /// Returns the names of the sets of a mesh, of parts and of rigid bodies.

@@ -221,6 +221,25 @@ fn sets_combine_sets_parts_and_bodies() {
     assert_eq!(of("listed"), [5, 101]);
 }
 
+/// The id of a part is its name, unless something has this name; also within a rule.
+#[test]
+fn a_part_may_be_meant_by_its_id() {
+    let fix = |set: &str| format!("[[fix]]\nnodes = {set}\ndofs = [\"x\"]\n");
+    let of = |text: &str, name: &str| {
+        let model = model(text);
+        model.mesh.node_sets[name].iter().map(|id| id.0).collect::<Vec<_>>()
+    };
+    let strip: Vec<u64> = (16..21).chain(201..206).collect();
+    assert_eq!(of(&fix("\"3\""), "3"), strip);
+    let edges = "rule = \"free_edges\"\nof = \"3\"";
+    assert_eq!(ids(edges), ids(&edges.replace("\"3\"", "\"strip\"")));
+    assert_eq!(ids("rule = \"union\"\nsets = [\"3\"]"), strip);
+    let own = "[[set]]\nname = \"3\"\nrule = \"nodes\"\nids = [7]\n";
+    assert_eq!(of(&format!("{own}{}", fix("\"3\"")), "3"), [7]);
+    let report = problems(&fix("\"4\""));
+    assert!(report.contains("there is no node set `4`"), "{report}");
+}
+
 /// Keys that take a set take a part, a rigid body or a rule.
 #[test]
 fn keys_take_parts_bodies_and_rules() {
