@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Node set by a rule: all nodes of the mesh at time 0, or those of `of`, that fit the rule. Every
-/// key that takes a node set takes its name, and the name of a part or of a rigid body too.
+/// key that takes a node set takes its name, and the name of a part or of a rigid body too; if
+/// nothing has this name, the id of a part.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SetInput {
