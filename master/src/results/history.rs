@@ -29,6 +29,14 @@ pub(crate) const ACCOUNTS: [&str; 10] = [
     "exterior elements",
 ];
 
+/// Returns true if a column has a mean or an extreme since the row before, so that it depends on
+/// the interval of the rows.
+pub(crate) fn is_since_row(column: &str) -> bool {
+    let name = column.rsplit_once(" [").map_or(column, |(name, _)| name);
+    name.ends_with("penetration")
+        || ["x", "y", "z"].iter().any(|c| name.ends_with(&format!("mean force {c}")))
+}
+
 /// A complete row, summed over workers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct HistoryRow {

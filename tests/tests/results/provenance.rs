@@ -141,6 +141,32 @@ fn a_run_that_continued_is_reproduced_if_nothing_was_changed() {
     assert!(refused.contains("with the change time.damping"), "{refused}");
 }
 
+/// With the default interval of rows, a part of the end time, runs with other ends have
+/// penetrations of other intervals.
+#[test]
+fn runs_that_differ_only_in_their_end_are_equal_until_then() {
+    let (folder, job) = bars();
+    // Powers of two, so that both runs have the same steps to the last bit.
+    let step = 2.0_f64.powi(-12);
+    let [a, b] = [("a", 32.0), ("b", 56.0)].map(|(name, steps)| {
+        let out = folder.path().join(name);
+        let sets = [
+            format!("--set=end_time={}", steps * step),
+            format!("--set=time.dt_max={step}"),
+            format!("--set=output.history_interval={}", steps / 8.0 * step),
+        ];
+        let sets = sets.each_ref().map(String::as_str);
+        let more = ["--workers=1", "--set=contact.law=penalty"];
+        run_into(&job, &out, &[&sets[..], &more].concat()).with_code(0);
+        out
+    });
+    let said = run(crumple_with(&["diff", text(&a), text(&b)])).with_code(1).said();
+    assert!(said.contains("histories: equal at 2 moments"), "{said}");
+    assert!(said.contains("no difference before the end of the shorter run"), "{said}");
+    let left_out = "because they cover the interval between rows: history.csv: penetration";
+    assert!(said.contains(left_out), "{said}");
+}
+
 #[test]
 fn the_first_difference_of_two_runs_is_found_in_all_kinds_of_files() {
     let (folder, job) = bars();

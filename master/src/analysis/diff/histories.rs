@@ -1,10 +1,11 @@
 //! Histories of two runs, row by row. Columns with times of the machine and counts of workers are
-//! left out.
+//! left out. So is what equal runs have differently if they have different intervals or ends:
+//! means and extremes since another row, and the last row, whose energies are one step older.
 
 use super::{Comparison, Difference, paired};
 use crate::results::histories::NAMES;
 use crate::results::history;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Rows of one time.
@@ -33,8 +34,16 @@ pub(super) fn compare(folders: [&Path; 2]) -> Result<Comparison, String> {
         return Ok(all);
     }
     let [a, b] = [HistoryTable::read(&main[0])?, HistoryTable::read(&main[1])?];
-    let moments = paired(&a.all_times(), &b.all_times());
+    let mut moments = paired(&a.all_times(), &b.all_times());
     all.unpaired = a.times.len() + b.times.len() - 2 * moments.len();
+    let rows = moments.len();
+    moments.retain(|&(i, j)| (i + 1 == a.times.len()) == (j + 1 == b.times.len()));
+    if moments.len() < rows {
+        let note = "left out: the last row of one of the runs, with energies and forces of the \
+                    step before";
+        all.notes.push(note.into());
+    }
+    let mut since_others = BTreeSet::new();
     let at_time = |time: f64| moments.iter().position(|&(i, _)| a.times[i].time == time);
     for name in [history::FILE].into_iter().chain(NAMES) {
         let paths = folders.map(|dir| dir.join(name));
@@ -42,11 +51,30 @@ pub(super) fn compare(folders: [&Path; 2]) -> Result<Comparison, String> {
             continue;
         }
         let [x, y] = [HistoryTable::read(&paths[0])?, HistoryTable::read(&paths[1])?];
-        for (i, j) in paired(&x.all_times(), &y.all_times()) {
+        let pairs = paired(&x.all_times(), &y.all_times());
+        for (k, &(i, j)) in pairs.iter().enumerate() {
             let Some(moment) = at_time(x.times[i].time) else { continue };
-            let differences = x.differences(name, &y, (i, j));
+            let mut differences = x.differences(name, &y, (i, j));
+            let have_same_interval = match k {
+                0 => i == 0 && j == 0,
+                _ => pairs[k - 1] == (i - 1, j - 1), // indices of pairs increase
+            };
+            if !have_same_interval {
+                let (of_rows, kept): (Vec<_>, Vec<_>) =
+                    differences.into_iter().partition(|one| history::is_since_row(&one.quantity));
+                since_others.extend(of_rows.into_iter().map(|one| one.quantity));
+                differences = kept;
+            }
             found.entry(moment).or_default().extend(differences);
         }
+    }
+    if !since_others.is_empty() {
+        let names: Vec<String> = since_others.into_iter().collect();
+        all.notes.push(format!(
+            "left out where the rows before have different times, because they cover the interval \
+             between rows: {}",
+            names.join(", ")
+        ));
     }
     for (moment, &(i, _)) in moments.iter().enumerate() {
         let (cycle, time) = (a.cycle(i), a.times[i].time);
@@ -153,6 +181,42 @@ mod tests {
             std::fs::write(dir.path().join(name), text).unwrap();
         }
         dir
+    }
+
+    /// Equal runs with other intervals: both have rows at 0, 3 and 4, the end of the shorter one.
+    /// The penetration and the force of a wall cover the interval before a row, and the last row of
+    /// the shorter run has the energy of an earlier step.
+    #[test]
+    fn rows_of_other_intervals_have_no_difference_of_means_and_extremes() {
+        let head = "time [ms],cycle,kinetic [J],penetration [fraction of contact thickness],\
+                    floor impulse x [kg mm/ms],floor mean force x [kN]\n";
+        let walls = "time [ms],wall,mean force x [kN],displacement x [mm]\n";
+        let folder = |rows: &str, of_wall: &str| {
+            folder(&[
+                ("history.csv", &format!("{head}{rows}")),
+                ("walls.csv", &format!("{walls}{of_wall}")),
+            ])
+        };
+        let a = folder(
+            "0,0,5,0,0,0\n1,10,4,0.5,1,1\n2,20,3,0.1,2,1\n3,30,3,0.2,2,0\n4,40,2,0,2,0\n",
+            "0,floor,0,0\n1,floor,1,0\n2,floor,1,0\n3,floor,0,7\n4,floor,0,7\n",
+        );
+        let b = folder(
+            "0,0,5,0,0,0\n1.5,15,4,0.5,1,0.7\n3,30,3,0.3,2,0.7\n4,40,1.9,0,2,0\n6,60,1,0,2,0\n",
+            "0,floor,0,0\n1.5,floor,0.7,0\n3,floor,0.7,7\n4,floor,0,7\n6,floor,0,7\n",
+        );
+        let found = compare([a.path(), b.path()]).unwrap();
+        assert!(found.is_equal() && found.moments == 2, "{found:?}");
+        assert!(found.notes[0].contains("the last row of one of the runs"), "{:?}", found.notes);
+        for left_out in ["history.csv: penetration", "history.csv: floor mean", "walls.csv: mean"] {
+            assert!(found.notes[1].contains(left_out), "{:?}", found.notes);
+        }
+        let other = folder(
+            "0,0,5,0,0,0\n1,10,4,0.5,1,1\n2,20,3,0.1,2,1\n3,30,3,0.25,2,0\n4,40,2,0,2,0\n",
+            "0,floor,0,0\n1,floor,1,0\n2,floor,1,0\n3,floor,0,7\n4,floor,0,7\n",
+        );
+        let found = compare([a.path(), other.path()]).unwrap();
+        assert_eq!(found.parting.unwrap().moment, (Some(30), 3.0), "equal intervals are compared");
     }
 
     #[test]
