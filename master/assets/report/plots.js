@@ -7,7 +7,7 @@ const PLOT_HEIGHT = 190;
 function labels(ticks) {
   const largest = Math.max(...ticks.map((tick) => Math.abs(tick)));
   const step = Math.abs(ticks[1] - ticks[0]);
-  const count = step > 0 ? 2 + Math.max(0, Math.floor(Math.log10(largest / step))) : 4;
+  const count = step > 0 ? 3 + Math.max(0, Math.floor(Math.log10(largest / step))) : 4;
   return ticks.map((tick) => digits(tick, Math.min(count, 12)));
 }
 
@@ -83,7 +83,7 @@ class Plots {
       series: [{ label: `time${unit}`, value: number }, ...lines],
       scales: { x: { time: false } },
       axes: [
-        { ...axis, size: 34 },
+        { ...axis, size: 34, space: 70, values: (_, ticks) => labels(ticks) },
         { ...axis, size: besideTicks, values: (_, ticks) => labels(ticks) },
       ],
       legend: { live: true },
