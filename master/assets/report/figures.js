@@ -61,7 +61,7 @@ class Figures {
 
   crush() {
     let found = [];
-    let words = byId("crush-over").value ? "" : "There is no displacement: request one by [[output.node]], or let a wall move.";
+    let words = byId("crush-over").value ? "" : "There is no displacement: request one by [[output.node]], or let a wall or a rigid part move.";
     try {
       found = this.runs.map((run) => this.crushOf(run));
     } catch (error) {

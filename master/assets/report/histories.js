@@ -3,6 +3,8 @@
 
 /** Name of the time in lists of quantities. */
 const TIME = "time";
+/** Kind of the mass centres of rigid parts, whose displacement follows from their momentum. */
+const MASS_CENTRE = "mass centre of part";
 
 class Histories {
   /** `bytes` are unpacked; `about` describes them, and has the unit of the time. */
@@ -48,9 +50,10 @@ function magnitudeOf(object, word) {
   return object.quantities.find(({ title }) => title.endsWith(`${word} (magnitude)`));
 }
 
-/** The objects that move, those that move the farthest first. */
+/** The objects that move: those with a recorded displacement first, then mass centres; each the farthest first. */
 function movedObjects(objects) {
   const far = (object) => magnitudeOf(object, "displacement").values.reduce((most, u) => (u > most ? u : most), 0);
   const all = objects.filter((object) => magnitudeOf(object, "displacement")).map((object) => [far(object), object]);
-  return all.filter(([most]) => most > 0).sort((a, b) => b[0] - a[0]).map(([, object]) => object);
+  const derived = ({ kind }) => Number(kind === MASS_CENTRE);
+  return all.filter(([most]) => most > 0).sort((a, b) => derived(a[1]) - derived(b[1]) || b[0] - a[0]).map(([, object]) => object);
 }

@@ -4,6 +4,7 @@
 mod signal;
 
 use super::report::histories::ReportHistories;
+use super::report::mass_centres::MASS_CENTRE;
 use serde::Serialize;
 use std::path::Path;
 
@@ -22,7 +23,8 @@ const SECONDS: [(&str, f64); 5] =
 const METRES: [(&str, f64); 5] =
     [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("in", 0.0254), ("ft", 0.3048)];
 
-/// Crush figures of a force, over the displacement of the object that moves the farthest.
+/// Crush figures of a force, over the displacement of the node or wall that moves the farthest, or
+/// without any, of the mass centre of a rigid part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CrushFigures {
     /// Object of the force: a wall, a section, a transducer, a part in contact.
@@ -91,9 +93,14 @@ impl VectorHistory<'_> {
 }
 
 /// Returns the figures of the run in a folder. Both lists are empty if the run has no such
-/// histories. If `heads` names groups of nodes, only these are heads.
-pub fn read(dir: &Path, heads: &[String]) -> (Vec<CrushFigures>, Vec<HeadInjuryFigures>) {
-    let histories = RunHistories { all: ReportHistories::whole(dir) };
+/// histories. `rigid` are the ids of rigid parts. If `heads` names groups of nodes, only these are
+/// heads.
+pub fn read(
+    dir: &Path,
+    rigid: &[u32],
+    heads: &[String],
+) -> (Vec<CrushFigures>, Vec<HeadInjuryFigures>) {
+    let histories = RunHistories { all: ReportHistories::whole(dir, rigid) };
     (histories.crush(), histories.heads(heads))
 }
 
@@ -138,7 +145,9 @@ impl RunHistories {
         let far = |object: usize| {
             let vector = self.vector(object, "displacement")?;
             let most = (0..self.all.rows).map(|row| vector.magnitude(row)).fold(0.0, f64::max);
-            (most > 0.0).then_some((most, object))
+            // What the run recorded comes before the mass centres, which follow from momenta.
+            let is_recorded = self.all.objects[object].kind != MASS_CENTRE;
+            (most > 0.0).then_some(((is_recorded, most), object))
         };
         let farthest = self.objects().filter_map(far).reduce(|a, b| if b.0 > a.0 { b } else { a });
         let Some((_, over)) = farthest else { return Vec::new() };
@@ -265,7 +274,7 @@ mod tests {
         for (name, text) in &files {
             std::fs::write(dir.path().join(format!("{name}.csv")), text).unwrap();
         }
-        let (crush, heads) = read(dir.path(), &[]);
+        let (crush, heads) = read(dir.path(), &[], &[]);
         assert_eq!(crush.len(), 1);
         let c = &crush[0];
         assert_eq!((&c.force[..], &c.over[..]), ("wall ram", "wall ram"));
@@ -286,20 +295,57 @@ mod tests {
         close(h.hic36.unwrap(), 0.030 * 50f64.powf(2.5));
         let longer = h.interval36_ms.unwrap();
         assert!((longer[1] - longer[0] - 30.0).abs() < 1e-6, "{longer:?}");
-        assert_eq!(read(dir.path(), &["head".into()]).1, heads);
-        assert_eq!(read(dir.path(), &["neck".into(), "hea".into()]).1, []);
+        assert_eq!(read(dir.path(), &[], &["head".into()]).1, heads);
+        assert_eq!(read(dir.path(), &[], &["neck".into(), "hea".into()]).1, []);
+    }
+
+    /// A rigid ram that is stopped by a constant force of 6 kN from 4 mm/ms: with its mass of 3 kg
+    /// it moves 4 mm, and the wall absorbs its 24 J. A displacement of a node comes first.
+    #[test]
+    fn a_rigid_part_gives_a_displacement_where_no_node_has_one() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
+        let mut history = String::from("time [ms],kinetic [J]\n");
+        let mut walls = String::from(
+            "time [ms],wall,displacement x [mm],displacement y [mm],displacement z [mm],\
+             force x [kN],force y [kN],force z [kN]\n",
+        );
+        let mut parts = String::from(
+            "time [ms],part,name,mass [kg],momentum x [kg mm/ms],momentum y [kg mm/ms],\
+             momentum z [kg mm/ms]\n",
+        );
+        let mut nodes = String::from(
+            "time [ms],nodes,id,displacement x [mm],displacement y [mm],displacement z [mm]\n",
+        );
+        for i in 0..=20 {
+            let t = f64::from(i) * 0.1;
+            writeln!(history, "{t:.9e},1").unwrap();
+            writeln!(walls, "{t:.9e},stop,0,0,0,6,0,0").unwrap();
+            writeln!(parts, "{t:.9e},4,ram,3,{:.9e},0,0", -3.0 * (4.0 - 2.0 * t)).unwrap();
+            writeln!(nodes, "{t:.9e},mark,7,0,0,{t:.9e}").unwrap();
+        }
+        write("history.csv", &history);
+        write("walls.csv", &walls);
+        write("parts.csv", &parts);
+        assert_eq!(read(dir.path(), &[], &[]).0, [], "no displacement");
+        let crush = read(dir.path(), &[4], &[]).0;
+        assert_eq!((crush.len(), &crush[0].over[..]), (1, "mass centre of part 4 ram"));
+        assert!((crush[0].stroke - 4.0).abs() < 1e-6, "{crush:?}");
+        assert!((crush[0].energy - 24.0).abs() < 1e-5, "{crush:?}");
+        write("nodes.csv", &nodes);
+        assert_eq!(read(dir.path(), &[4], &[]).0[0].over, "node mark 7");
     }
 
     #[test]
     fn a_run_without_such_histories_has_none_and_coarse_rows_say_why() {
         let dir = tempfile::tempdir().unwrap();
-        assert_eq!(read(dir.path(), &[]), (Vec::new(), Vec::new()));
+        assert_eq!(read(dir.path(), &[], &[]), (Vec::new(), Vec::new()));
         let file = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
         file("history.csv", "time [ms],kinetic [J]\n0,1\n1,1\n2,1\n3,1\n");
         let head = "time [ms],nodes,id,acceleration x [mm/ms^2],acceleration y [mm/ms^2],\
                     acceleration z [mm/ms^2]\n";
         file("nodes.csv", &format!("{head}0,head,7,1,0,0\n1,head,7,1,0,0\n2,head,7,1,0,0\n"));
-        let (crush, heads) = read(dir.path(), &[]);
+        let (crush, heads) = read(dir.path(), &[], &[]);
         assert!(crush.is_empty() && heads[0].hic15.is_none());
         assert!(heads[0].why.contains("output.history_interval"), "{}", heads[0].why);
         assert_eq!(acceleration_unit("m/s^2"), Some((1.0, 1.0)));

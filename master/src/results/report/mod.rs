@@ -1,6 +1,7 @@
 //! `crumple report`: one page that shows a run, made only from the files in its folder.
 //!
-//! - `histories`: all histories, for the plot workbench
+//! - `histories`: all histories, for the plot workbench; `mass_centres`: displacements of rigid
+//!   parts among them
 //! - `sources`: summary, history and log; `plots`, `single_forces`, `tables`: their display
 //! - `series`: the field files, joined; `surface`: the visible faces
 //! - `scene`: the selection for the page; `encode`: the selection as bytes
@@ -10,6 +11,7 @@
 
 mod encode;
 pub mod histories;
+pub mod mass_centres;
 pub mod model_page;
 mod page;
 mod paths;

@@ -84,7 +84,7 @@ impl RunFiles {
             }
             Err(why) => sources.problems.push(why),
         }
-        sources.histories = ReportHistories::read(dir);
+        sources.histories = ReportHistories::read(dir, &sources.rigid_parts());
         sources.paths = paths::read(&dir.join("walls.csv"));
         sources.warnings = sources.of_summary();
         sources.warnings.extend(log(&dir.join("log.jsonl")));
@@ -179,6 +179,13 @@ impl RunFiles {
         let parts = self.summary.as_ref().and_then(|s| s.get("parts")?.as_array());
         let named = |p: &Value| Some((p.get("id")?.as_u64()?.to_string(), p.get("name")?.clone()));
         parts.into_iter().flatten().filter_map(named).collect()
+    }
+
+    /// Returns the ids of the parts that belong to a rigid body.
+    fn rigid_parts(&self) -> Vec<u32> {
+        let parts = self.summary.as_ref().and_then(|s| s.get("parts")?.as_array());
+        let rigid = parts.into_iter().flatten().filter(|part| part["rigid"] == true);
+        rigid.filter_map(|part| u32::try_from(part["id"].as_u64()?).ok()).collect()
     }
 
     /// Returns the names of the node groups of heads.

@@ -24,7 +24,8 @@ impl Control<'_> {
             self.watch_end();
         }
         let mut summary = self.summary();
-        (summary.crush, summary.head_injury) = figures::read(&self.out, &summary.heads);
+        let rigid: Vec<u32> = summary.parts.iter().filter(|p| p.rigid).map(|p| p.id).collect();
+        (summary.crush, summary.head_injury) = figures::read(&self.out, &rigid, &summary.heads);
         let path = self.out.join("summary.json");
         let unwritten = |error| RunError::Output { path: path.clone(), error };
         summary.write(&path).map_err(unwritten)?;
