@@ -51,12 +51,20 @@ pub enum WarningKind {
     ContactStep,
     /// Deep penetration.
     Penetration,
-    /// Elements that are about to invert.
+    /// Elements that are about to invert, or have inverted at a corner.
     Inversion,
     /// Contact that had nothing to do in the whole run.
     UnusedContact,
     /// Walls that nothing has touched in the whole run.
     UnusedWall,
+}
+
+impl WarningKind {
+    /// Returns its name in the files of a run.
+    pub fn name(self) -> String {
+        let name = serde_json::to_value(self).unwrap_or_default();
+        name.as_str().unwrap_or_default().into()
+    }
 }
 
 /// A warning.
@@ -326,8 +334,9 @@ impl WatchedRow<'_> {
 
     fn inversion(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
         let left = row.sum.corner_left;
+        let state = if left < 0.0 { "has inverted" } else { "is about to invert" };
         let what = format!(
-            "an element is about to invert: a corner has {:.0} % of its Jacobian at the start",
+            "an element {state}: a corner has {:.0} % of its Jacobian at the start",
             100.0 * left
         );
         let cure = "Use a finer or more regular mesh there, a stiffer material curve at large \
@@ -562,6 +571,16 @@ mod tests {
                 PartShare { hourglass: 0.09, internal: 0.01, ..PartShare::default() }),
             []
         );
+    }
+
+    #[test]
+    fn a_corner_below_zero_has_inverted() {
+        let line = |left: f64| of(|row| row.sum.corner_left = left)[0].line();
+        let close = line(0.09);
+        assert!(close.contains("is about to invert: a corner has 9 %"), "{close}");
+        let beyond = line(-0.15);
+        assert!(beyond.contains("has inverted: a corner has -15 %"), "{beyond}");
+        assert_eq!(WarningKind::ContactEnergy.name(), "contact_energy");
     }
 
     #[test]

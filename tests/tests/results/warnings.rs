@@ -93,6 +93,19 @@ fn an_element_that_is_about_to_invert_is_named_and_so_is_the_step() {
     let (first, worst) = (flat["time"].as_f64().unwrap(), flat["worst_time"].as_f64().unwrap());
     assert!((0.09..0.097).contains(&first) && worst > 0.099, "{flat}");
     assert!((flat["value"].as_f64().unwrap() - 0.03).abs() < 0.01, "{flat}");
+    // The report has the warning once, with the worst time, to which its button goes.
+    let out = ended.out();
+    run(crumple_with(&["report", out.to_str().unwrap()])).with_code(0);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    let items: Vec<&str> = page.lines().flat_map(|line| line.split("<li")).collect();
+    let of_corner =
+        |item: &&&str| item.starts_with(" data-time") && item.contains("of its Jacobian");
+    let of_corner: Vec<_> = items.iter().filter(of_corner).collect();
+    assert_eq!(of_corner.len(), 1, "{of_corner:?}");
+    assert!(of_corner[0].contains(flat["what"].as_str().unwrap()), "{of_corner:?}");
+    let time = of_corner[0].split("data-time=\"").nth(1).and_then(|rest| rest.split('"').next());
+    let time: f64 = time.unwrap().parse().unwrap();
+    assert!((time - worst).abs() < 1e-6 * worst, "{time} {worst}");
     let step = warning(&ended, "time_step", "`plate`");
     assert!(step["cure"].as_str().unwrap().contains("time.mass_scaling_dt"), "{step}");
 }

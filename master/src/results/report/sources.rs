@@ -4,8 +4,10 @@ use super::histories::ReportHistories;
 use super::paths::{self, WallPath};
 use super::plots::{ColumnFile, Plots};
 use super::{single_forces, workers};
+use crate::results::warnings::EngineeringWarning;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::collections::HashSet;
 use std::path::Path;
 
 /// Maximum number of warnings of the log on the page.
@@ -86,9 +88,17 @@ impl RunFiles {
         }
         sources.histories = ReportHistories::read(dir, &sources.rigid_parts());
         sources.paths = paths::read(&dir.join("walls.csv"));
+        let known = sources.engineering();
         sources.warnings = sources.of_summary();
-        sources.warnings.extend(log(&dir.join("log.jsonl")));
+        sources.warnings.extend(known.iter().map(EngineeringWarning::line));
+        sources.warnings.extend(log(&dir.join("log.jsonl"), &known));
         sources
+    }
+
+    /// Returns the engineering warnings of the summary, which have their worst values.
+    fn engineering(&self) -> Vec<EngineeringWarning> {
+        let warnings = self.summary.as_ref().and_then(|s| s.get("warnings").cloned());
+        warnings.and_then(|all| serde_json::from_value(all).ok()).unwrap_or_default()
     }
 
     fn of_summary(&self) -> Vec<String> {
@@ -263,11 +273,24 @@ pub fn summary(path: &Path) -> Result<Map<String, Value>, String> {
     serde_json::from_str(&text).map_err(|e| format!("{shown}: {e}"))
 }
 
-/// Returns warnings and errors among the events of the log, none without a log.
-fn log(path: &Path) -> Vec<String> {
+/// Returns warnings and errors among the events of the log, each once, without those that are
+/// `known` from the summary: the log has their first values. There are none without a log.
+fn log(path: &Path, known: &[EngineeringWarning]) -> Vec<String> {
     let text = std::fs::read_to_string(path).unwrap_or_default();
+    let known: HashSet<(String, &str)> =
+        known.iter().map(|one| (one.kind.name(), one.part.as_str())).collect();
+    let is_new = |event: &Value| {
+        let field = |key: &str| event["fields"][key].as_str();
+        let of_kind = field("kind").zip(field("part"));
+        !of_kind.is_some_and(|(kind, part)| known.contains(&(kind.into(), part)))
+    };
     let events = text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
-    let mut said: Vec<String> = events.filter_map(|event| warning(&event)).collect();
+    let mut lines = HashSet::new();
+    let mut said: Vec<String> = events
+        .filter(is_new)
+        .filter_map(|event| warning(&event))
+        .filter(|line| lines.insert(line.clone()))
+        .collect();
     let more = said.len().saturating_sub(MOST_SAID);
     if more > 0 {
         said.truncate(MOST_SAID);
@@ -353,12 +376,49 @@ mod tests {
         assert!(s.warnings[0].starts_with("The run has no summary"), "{:?}", s.warnings);
     }
 
+    /// The log has the first value of a warning, the summary its worst one.
+    #[test]
+    fn a_warning_of_the_summary_is_not_taken_from_the_log() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
+        let event = |kind: &str, part: &str, warning: &str| {
+            let fields = serde_json::json!({"kind": kind, "part": part, "warning": warning});
+            format!("{}\n", serde_json::json!({"level": "WARN", "fields": fields}))
+        };
+        let all = [
+            event("inversion", "`a`", "at time 1.240000e-3 part `a`: 9 %"),
+            event("inversion", "`b`", "at time 1.500000e-3 part `b`: 8 %"),
+            event("friction", "", "at time 1.600000e-3 much friction"),
+        ];
+        write("log.jsonl", &all.concat());
+        write(
+            "summary.json",
+            r#"{"status": "completed", "warnings": [{"kind": "inversion", "part": "`a`",
+                "cycle": 12, "time": 1.24e-3, "value": -0.15, "worst_time": 1.8e-3,
+                "what": "-15 %", "place": "element 7 at (1, 2, 3)", "cure": "Refine"}]}"#,
+        );
+        let s = RunFiles::read(dir.path());
+        let wanted = [
+            "at time 1.800000e-3 part `a`: -15 % (since time 1.240000e-3, cycle 12); element 7 at \
+             (1, 2, 3). Refine",
+            "at time 1.500000e-3 part `b`: 8 %",
+            "at time 1.600000e-3 much friction",
+        ];
+        assert_eq!(s.warnings, wanted);
+        std::fs::remove_file(dir.path().join("summary.json")).unwrap();
+        let s = RunFiles::read(dir.path());
+        assert_eq!(s.warnings.len(), 4, "without a summary the log has all: {:?}", s.warnings);
+    }
+
     #[test]
     fn a_log_that_says_much_is_cut() {
         let dir = tempfile::tempdir().unwrap();
-        let line = "{\"level\":\"WARN\",\"fields\":{\"message\":\"again\"}}\n";
-        std::fs::write(dir.path().join("log.jsonl"), line.repeat(MOST_SAID + 7)).unwrap();
-        let said = log(&dir.path().join("log.jsonl"));
+        let line = |i| {
+            format!("{{\"level\":\"WARN\",\"fields\":{{\"message\":\"edge {i}\"}}}}\n").repeat(2)
+        };
+        let all: String = (0..MOST_SAID + 7).map(line).collect();
+        std::fs::write(dir.path().join("log.jsonl"), all).unwrap();
+        let said = log(&dir.path().join("log.jsonl"), &[]);
         assert_eq!(
             (said.len(), said[MOST_SAID].as_str()),
             (MOST_SAID + 1, "and 7 more warnings, in log.jsonl")

@@ -43,9 +43,16 @@ impl Control<'_> {
 
     fn add_warnings(&mut self, found: Vec<EngineeringWarning>) {
         let known = warnings::merge(&mut self.warnings, found);
-        let new: Vec<String> =
-            self.warnings[known..].iter().map(EngineeringWarning::line).collect();
-        new.iter().for_each(|line| self.warn(line));
+        let new: Vec<String> = self.warnings[known..]
+            .iter()
+            .map(|one| {
+                let line = one.line();
+                // Kind and part tell readers of the log which warning of the summary this is.
+                tracing::warn!(warning = line, kind = one.kind.name(), part = one.part);
+                line
+            })
+            .collect();
+        new.iter().for_each(|line| self.announce(&format!("warning: {line}")));
     }
 
     /// Stops the run if the energy balance is violated, or if velocities keep oscillating from
