@@ -12,9 +12,10 @@ use std::path::Path;
 pub fn crushed(more: &[&str]) -> Ended {
     let dir = tempfile::tempdir().unwrap();
     let job = fs::read_to_string(root().join("cases/tube/job.toml")).unwrap();
-    let nodes = "[output]\nnode = [{ name = \"foot\", ids = [1] }, \
-                 { name = \"head\", nodes = \"head\", head = true }]\n";
-    let job = job.replace("[output]\n", nodes);
+    let head = "name = \"head\"\nnodes = \"head\"\n";
+    let nodes = format!("{head}head = true\n[[output.node]]\nname = \"foot\"\nids = [1]\n");
+    assert!(job.contains(head), "the job has the nodes of its head");
+    let job = job.replace(head, &nodes);
     fs::write(dir.path().join("job.toml"), job).unwrap();
     let folder = dir.path().display().to_string();
     let settings = [
@@ -83,16 +84,33 @@ impl Controls {
         text.as_str().unwrap_or_else(|| panic!("{id}: {text}")).to_owned()
     }
 
-    /// The pixels of the picture as text.
-    fn pixels(&mut self) -> Value {
-        self.browser.evaluate("(crumple.view.draw(), crumple.view.canvas.toDataURL())")
+    /// The pixels of the picture of each run as text.
+    fn pixels(&mut self) -> Vec<Value> {
+        let pictures = self.browser.evaluate(
+            "[crumple.view, crumple.second?.view].filter(Boolean).map((view) => (view.draw(), \
+             view.canvas.toDataURL()))",
+        );
+        serde_json::from_value(pictures).unwrap()
     }
 
-    /// Does something that must change the picture.
+    /// Does something that must change the pictures of all runs.
     pub fn changes(&mut self, what: &str, act: impl FnOnce(&mut Self)) {
         let before = self.pixels();
         act(self);
-        assert_ne!(self.pixels(), before, "{what} changes the picture");
+        for (run, (now, before)) in self.pixels().iter().zip(&before).enumerate() {
+            assert_ne!(now, before, "{what} changes the picture of run {run}");
+        }
+    }
+
+    /// No control of the page may be left. Contact forces are offered if there is contact between
+    /// parts.
+    fn all_are_used(&mut self) {
+        let all = "[...document.querySelectorAll('button, input, select')].map((e) => e.id || \
+                   (e.dataset.view ? 'view-' + e.dataset.view : e.className || 'part-box'))";
+        let all: BTreeSet<String> = serde_json::from_value(self.browser.evaluate(all)).unwrap();
+        let hidden = ["forces", "node-forces"].map(String::from);
+        let left: Vec<_> = all.iter().filter(|id| !self.used.contains(*id)).collect();
+        assert_eq!(left, hidden.iter().collect::<Vec<_>>(), "controls that no test uses");
     }
 }
 
@@ -104,17 +122,32 @@ fn every_control_has_its_effect() {
     let Some(browser) = opened(&page, "") else { return };
     let mut page = Controls { browser, used: BTreeSet::new() };
     picture(&mut page);
+    page.browser.picture("report-controls");
     picking(&mut page);
-    workbench(&mut page);
-    figures(&mut page, &ended.summary());
+    workbench(&mut page, 1);
+    page.browser.picture("report-workbench");
+    figures(&mut page, &[(ended.summary(), String::new())]);
     leaving(&mut page);
-    let all = "[...document.querySelectorAll('button, input, select')].map((e) => e.id || \
-               (e.dataset.view ? 'view-' + e.dataset.view : e.className || 'part-box'))";
-    let all: BTreeSet<String> = serde_json::from_value(page.browser.evaluate(all)).unwrap();
-    // Contact forces are offered if there is contact between parts.
-    let hidden = ["forces", "node-forces"].map(String::from);
-    let left: Vec<_> = all.iter().filter(|id| !page.used.contains(*id)).collect();
-    assert_eq!(left, hidden.iter().collect::<Vec<_>>(), "controls that no test uses");
+    page.all_are_used();
+    sound(&mut page.browser);
+}
+
+/// The same for two runs: each control of the picture changes both pictures, curves and figures
+/// are there for both.
+#[test]
+fn every_control_of_two_runs_has_its_effect() {
+    let runs = [crushed(&[]), crushed(&["part.tube.thickness=1.4"])];
+    let folders = [0, 1].map(|i| runs[i].out().display().to_string());
+    run(crumple_with(&["report", &folders[0], &folders[1]])).with_code(0);
+    let Some(browser) = opened(&runs[0].out().join("compare.html"), "") else { return };
+    let mut page = Controls { browser, used: BTreeSet::new() };
+    picture(&mut page);
+    picking(&mut page);
+    workbench(&mut page, 2);
+    let named = [0, 1].map(|i| (runs[i].summary(), format!(" ({})", folders[i])));
+    figures(&mut page, &named);
+    leaving(&mut page);
+    page.all_are_used();
     sound(&mut page.browser);
 }
 
@@ -151,8 +184,8 @@ fn picture(page: &mut Controls) {
     let way = |title: &str| format!("String(crumple.ways.findIndex((w) => w.title === {title:?}))");
     let strain = page.browser.evaluate(&way("plastic strain"));
     page.set("colour", strain);
-    page.changes("another end of the scale", |page| page.set("top", "0.01"));
     page.changes("another begin of the scale", |page| page.set("bottom", "-0.01"));
+    page.changes("another end of the scale", |page| page.set("top", "0.37"));
     page.changes("smooth colours", |page| page.set("smooth", true));
     page.changes("no edges", |page| page.set("edges", false));
     page.changes("no walls", |page| page.set("walls", false));
@@ -180,7 +213,6 @@ fn picture(page: &mut Controls) {
     page.set("colour", way);
     page.changes("the legend hides a part", |page| page.browser.click("#legend button"));
     page.click("parts-all");
-    page.browser.picture("report-controls");
 }
 
 /// A click into the picture picks the element that is drawn there: its outline is around the
@@ -226,7 +258,8 @@ fn picking(page: &mut Controls) {
     assert!(page.text("picked").contains("element 2"), "{}", page.text("picked"));
 }
 
-fn workbench(page: &mut Controls) {
+/// Adding a curve adds one for each of the `runs`.
+fn workbench(page: &mut Controls, runs: usize) {
     let first = page.browser.evaluate("crumple.bench.curves[0].label").to_string();
     assert!(
         first.contains("wall floor over displacement"),
@@ -239,12 +272,15 @@ fn workbench(page: &mut Controls) {
     page.set("bench-over", "time");
     page.set("bench-operation", "integral");
     page.click("bench-add");
-    let sum = page.number("crumple.bench.curves[0].y.at(-1)");
-    let wanted = page.number(
-        "integral(crumple.read.time, \
-        crumple.read.quantity(crumple.read.object('model'), 'kinetic').values).at(-1)",
-    );
-    assert!(sum > 0.0 && (sum / wanted - 1.0).abs() < 1e-12);
+    assert_eq!(page.number("crumple.bench.curves.length"), runs as f64);
+    for run in 0..runs {
+        let sum = page.number(&format!("crumple.bench.curves[{run}].y.at(-1)"));
+        let wanted = page.number(&format!(
+            "(({{ histories: h }}) => integral(h.time, h.quantity(h.object('model'), \
+             'kinetic').values).at(-1))(crumple.bench.runs[{run}])"
+        ));
+        assert!(sum > 0.0 && (sum / wanted - 1.0).abs() < 1e-12);
+    }
     page.set("bench-operation", "value");
     page.set("bench-object", "wall floor");
     page.set("bench-quantity", "mean force (magnitude)");
@@ -252,65 +288,78 @@ fn workbench(page: &mut Controls) {
     page.click("bench-add");
     let table = page.text("bench-curves");
     assert!(table.contains("CFC 600 of wall floor") && table.contains("kN"), "{table}");
-    assert_eq!(page.number("document.querySelectorAll('#bench-chart .peak').length"), 2.0);
+    let curves = 2.0 * runs as f64;
+    assert_eq!(page.number("document.querySelectorAll('#bench-chart .peak').length"), curves);
     page.set("bench-marks", false);
     assert_eq!(page.number("document.querySelectorAll('#bench-chart .peak').length"), 0.0);
     page.set("bench-marks", true);
     page.browser.click("#bench-curves .remove");
     page.used.insert("remove".into());
-    assert_eq!(page.number("crumple.bench.curves.length"), 1.0);
+    assert_eq!(page.number("crumple.bench.curves.length"), curves - 1.0);
     // A click into the chart selects the time of its nearest point.
     page.browser.evaluate("crumple.go(0)");
     page.browser.click("#bench-chart svg");
     assert!(page.number("crumple.time") > 0.0);
-    page.browser.picture("report-workbench");
 }
 
-fn figures(page: &mut Controls, summary: &Value) {
-    // Unless the user chooses otherwise, the tables have the values of `summary.json`.
-    let cells = "[...byId('head-table').tBodies[0].rows[0].cells].map((c) => c.textContent)";
-    let head: Vec<String> = serde_json::from_value(page.browser.evaluate(cells)).unwrap();
+/// The tables have the values of the summaries, unless the user chooses otherwise. `runs` are these
+/// with what follows the names of their objects.
+fn figures(page: &mut Controls, runs: &[(Value, String)]) {
+    let cells = |page: &mut Controls, table: &str| -> Vec<Vec<String>> {
+        let all = format!(
+            "[...byId('{table}').tBodies[0].rows].map((r) => [...r.cells].map((c) => \
+             c.textContent))"
+        );
+        serde_json::from_value(page.browser.evaluate(&all)).unwrap()
+    };
     let same = |shown: &str, known: &Value| {
         let (shown, known) = (shown.parse::<f64>().unwrap(), known.as_f64().unwrap());
         assert!((shown / known - 1.0).abs() < 1e-3, "{shown} on the page, {known} in the summary");
     };
-    let heads = summary["head_injury"].as_array().unwrap();
-    assert!(heads.iter().all(|head| head["node"].as_str().unwrap().starts_with("node head ")));
-    let rows = "[...byId('head-table').tBodies[0].rows].map((row) => row.cells[0].textContent)";
-    let shown: Vec<String> = serde_json::from_value(page.browser.evaluate(rows)).unwrap();
-    assert!(shown.iter().all(|name| name.starts_with("node head ")), "{shown:?}");
-    let injury = &heads[0];
-    assert_eq!(injury["node"], head[0].as_str());
-    same(&head[1], &injury["peak_g"]);
-    same(&head[2], &injury["hic15"]);
-    same(&head[4], &injury["hic36"]);
-    let cells = "[...byId('crush-table').tBodies[0].rows[0].cells].map((c) => c.textContent)";
-    let row: Vec<String> = serde_json::from_value(page.browser.evaluate(cells)).unwrap();
-    let crush = &summary["crush"][0];
-    assert_eq!(crush["force"], row[0].as_str());
-    for (place, key) in [(1, "peak"), (3, "mean"), (5, "stroke"), (6, "energy")] {
-        same(&row[place], &crush[key]);
+    let heads = cells(page, "head-table");
+    assert!(heads.iter().all(|row| row[0].starts_with("node head ")), "{heads:?}");
+    let injuries = runs.iter().flat_map(|(summary, of_run)| {
+        let all = summary["head_injury"].as_array().unwrap().iter();
+        all.map(move |injury| (format!("{}{of_run}", injury["node"].as_str().unwrap()), injury))
+    });
+    let injuries: Vec<_> = injuries.collect();
+    assert!(injuries.iter().all(|(name, _)| name.starts_with("node head ")), "{injuries:?}");
+    let (_, injury) = injuries.iter().find(|(name, _)| *name == heads[0][0]).unwrap();
+    same(&heads[0][1], &injury["peak_g"]);
+    same(&heads[0][2], &injury["hic15"]);
+    same(&heads[0][4], &injury["hic36"]);
+    let rows = cells(page, "crush-table");
+    assert_eq!(rows.len(), runs.len());
+    for (row, (summary, of_run)) in rows.iter().zip(runs) {
+        let crush = &summary["crush"][0];
+        assert_eq!(format!("{}{of_run}", crush["force"].as_str().unwrap()), row[0]);
+        for (place, key) in [(1, "peak"), (3, "mean"), (5, "stroke"), (6, "energy")] {
+            same(&row[place], &crush[key]);
+        }
+        same(&row[7], &crush["specific_energy"]);
     }
-    same(&row[7], &crush["specific_energy"]);
-    let row = |page: &mut Controls| -> Vec<f64> {
-        let cells = "[...byId('crush-table').tBodies[0].rows[0].cells].slice(1).map((c) => \
-                     Number(c.textContent))";
-        serde_json::from_value(page.browser.evaluate(cells)).unwrap()
+    let numbers = |page: &mut Controls| -> Vec<Vec<f64>> {
+        let number = |cell: &String| cell.parse::<f64>().unwrap();
+        cells(page, "crush-table").iter().map(|r| r[1..].iter().map(number).collect()).collect()
     };
-    let first = row(page);
-    let [peak, _, mean, ratio, stroke, energy, specific] = first[..] else { panic!("{first:?}") };
-    assert!((stroke - 0.4 * 15.0).abs() < 0.1, "the head moves at 15 mm/ms: {stroke}");
-    assert!(
-        (mean * stroke / energy - 1.0).abs() < 1e-3 && (mean / peak / ratio - 1.0).abs() < 1e-3
-    );
-    assert!(specific > energy, "the tube has less than a kilogram");
+    let first = numbers(page);
+    for row in &first {
+        let [peak, _, mean, ratio, stroke, energy, specific] = row[..] else { panic!("{row:?}") };
+        assert!((stroke - 0.4 * 15.0).abs() < 0.1, "the head moves at 15 mm/ms: {stroke}");
+        assert!((mean * stroke / energy - 1.0).abs() < 1e-3);
+        assert!((mean / peak / ratio - 1.0).abs() < 1e-3);
+        assert!(specific > energy, "the tube has less than a kilogram");
+    }
+    let compare = |page: &mut Controls, what: &str, is_so: fn(&[f64], &[f64]) -> bool| {
+        let now = numbers(page);
+        assert!(now.iter().zip(&first).all(|(now, first)| is_so(now, first)), "{what}: {now:?}");
+    };
     page.set("crush-direction", "z");
-    assert!((row(page)[4] / stroke - 1.0).abs() < 0.01, "it moves along z");
+    compare(page, "it moves along z", |now, first| (now[4] / first[4] - 1.0).abs() < 0.01);
     page.set("crush-filter", "CFC 1000");
-    assert!(row(page)[0] < peak, "the filter lowers the peak");
+    compare(page, "the filter lowers the peak", |now, first| now[0] < first[0]);
     page.set("crush-mass", "part 1 tube");
-    let other = "byId('crush-over').options[1].value";
-    let other = page.browser.evaluate(other);
+    let other = page.browser.evaluate("byId('crush-over').options[1].value");
     page.set("crush-over", other);
     let before = page.text("head-table");
     assert!(before.contains("HIC15") && before.contains("node head"), "{before}");
@@ -335,8 +384,9 @@ fn leaving(page: &mut Controls) {
         bytes
     };
     let csv = String::from_utf8(saved(page, "bench-csv", "curves.csv")).unwrap();
-    let rows = page.number("crumple.bench.curves[0].x.length");
-    assert!(csv.starts_with("time [ms],") && csv.lines().count() as f64 == rows + 1.0);
+    // Each curve has a head, and an empty line before the next one.
+    let lines = page.number("crumple.bench.curves.reduce((n, c) => n + c.x.length + 2, -1)");
+    assert!(csv.starts_with("time [ms],") && csv.lines().count() as f64 == lines);
     assert!(saved(page, "bench-svg", "curves.svg").starts_with(b"<svg"));
     assert!(saved(page, "crush-csv", "crush.csv").starts_with(b"force,peak [kN]"));
     assert!(saved(page, "save-picture", "picture.png").starts_with(b"\x89PNG"));
@@ -370,6 +420,87 @@ fn a_warning_jumps_to_its_time_and_element() {
     assert_eq!(browser.evaluate("crumple.time"), 0.2);
     assert_eq!(browser.evaluate("crumple.picker.name()"), "element 5");
     sound(&mut browser);
+}
+
+/// A rigid plate moves at 2 mm/ms until a wall stops it after 1 mm. Without a node in the histories,
+/// its displacement is that of its mass centre, in the summary and on the page.
+#[test]
+fn a_rigid_part_gives_the_displacement_of_crush_figures() {
+    let job = r#"
+        title = "A rigid plate against a wall"
+        units = "mm, ms, kg"
+        end_time = 1.0
+        [time]
+        dt_max = 0.004              # rigid bodies have no stable step
+        [mesh]
+        nodes = [[1, 0.0, 0.0, 0.0], [2, 9.0, 0.0, 0.0], [3, 9.0, 9.0, 0.0], [4, 0.0, 9.0, 0.0]]
+        shells = [[1, 1, 1, 2, 3, 4]]
+        [[material]]
+        name = "steel"
+        law = "elastic"
+        density = 7.85e-6
+        youngs_modulus = 207.0
+        poisson = 0.3
+        [[part]]
+        id = 1
+        name = "ram"
+        material = "steel"
+        thickness = 1.0
+        [[rigid]]
+        name = "ram"
+        parts = [1]
+        [[initial_velocity]]
+        velocity = [0.0, 0.0, -2.0]
+        [[wall]]
+        name = "stop"
+        point = [0.0, 0.0, -1.0]
+        normal = [0.0, 0.0, 1.0]
+    "#;
+    let folder = tempfile::tempdir().unwrap();
+    let crushed = |more: &str| {
+        fs::write(folder.path().join("job.toml"), format!("{job}{more}")).unwrap();
+        run(crumple_with(&["run", &folder.path().display().to_string()])).with_code(0)
+    };
+    let with_node = crushed("[[output.node]]\nname = \"corner\"\nids = [1]\n");
+    let wanted = &with_node.summary()["crush"][0];
+    assert_eq!(wanted["over"], "node corner 1", "a recorded displacement comes first");
+    let ended = crushed("");
+    let crush = &ended.summary()["crush"][0];
+    assert_eq!(crush["over"], "mass centre of part 1 ram");
+    let stroke = |crush: &Value| crush["stroke"].as_f64().unwrap();
+    let half_interval = 0.5 * 1.0 / 200.0;
+    assert!((stroke(crush) - stroke(wanted)).abs() <= 2.0 * half_interval, "{crush} {wanted}");
+    assert!((stroke(wanted) - 1.0).abs() < 0.1, "{wanted}");
+    let Some(mut browser) = opened(&ended.out().join("report.html"), "") else { return };
+    let over = browser.evaluate("[...byId('crush-over').options].map((o) => o.value)");
+    assert_eq!(over, json!(["mass centre of part 1 ram"]));
+    let cell = "Number(byId('crush-table').tBodies[0].rows[0].cells[5].textContent)";
+    let shown = browser.evaluate(cell).as_f64().unwrap();
+    assert!((shown / stroke(crush) - 1.0).abs() < 1e-4, "{shown} {crush}");
+    sound(&mut browser);
+}
+
+/// In seconds, the ticks of a crash are thousandths; each has its own label.
+#[test]
+fn ticks_of_short_times_differ() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |i: usize| format!("{:.9e},{i}\n", 1e-5 * i as f64);
+    let rows: String = (0..=200).map(row).collect();
+    let text = format!("time [s],kinetic [mJ]\n{rows}");
+    fs::write(folder.path().join("history.csv"), text).unwrap();
+    run(crumple_with(&["report", &folder.path().display().to_string()])).with_code(0);
+    let Some(mut browser) = Browser::start() else { return };
+    browser.open(&format!("file://{}", folder.path().join("report.html").display()));
+    browser.wait("the plots", "document.documentElement.dataset.state === 'without-picture'");
+    let axis = "crumple.plots.charts[0].plot.axes[0]";
+    let ticks: Vec<f64> =
+        serde_json::from_value(browser.evaluate(&format!("{axis}._splits"))).unwrap();
+    let labels: Vec<String> =
+        serde_json::from_value(browser.evaluate(&format!("{axis}._values"))).unwrap();
+    assert!(ticks.len() > 3 && ticks.len() == labels.len(), "{ticks:?} {labels:?}");
+    for (tick, label) in ticks.iter().zip(&labels) {
+        assert!((label.parse::<f64>().unwrap() - tick).abs() < 1e-9, "{label} at {tick}");
+    }
 }
 
 /// Contact forces of two bars are equal and opposite; their arrows are drawn at a link that asks
