@@ -189,9 +189,10 @@ mod tests {
     #[test]
     fn rows_of_other_intervals_have_no_difference_of_means_and_extremes() {
         let head = "time [ms],cycle,kinetic [J],penetration [fraction of contact thickness],\
-                    floor impulse x [kg mm/ms],floor mean force x [kN]\n";
+                    floor impulse x [kg mm/ms],floor mean force x [kN],wall [s]\n";
         let walls = "time [ms],wall,mean force x [kN],displacement x [mm]\n";
         let folder = |rows: &str, of_wall: &str| {
+            let rows = rows.replace('\n', ",0\n");
             folder(&[
                 ("history.csv", &format!("{head}{rows}")),
                 ("walls.csv", &format!("{walls}{of_wall}")),
