@@ -162,7 +162,8 @@ fn sum_over_particles(
     sum_over_neighbours(comm, nodes, blocks, particles, clock.last_dt)
 }
 
-/// Averages the volume strain of tetrahedra and wedges at their nodes, before their stress is computed.
+/// Averages the volume strain of tetrahedra and wedges at their nodes, before their stress is
+/// computed.
 fn average_nodal_volumes(
     engine: &mut Engine,
     comm: &mut dyn Transport,

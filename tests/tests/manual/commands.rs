@@ -1,5 +1,6 @@
 //! The commands of the tutorials run in one folder, page after page as a reader may do it, with the
-//! files that the pages show. Runs stop after a few cycles: results are not compared, output of `check` is.
+//! files that the pages show. Runs stop after a few cycles: results are not compared, output of
+//! `check` is.
 
 use crumple_tests::manual::{Snippet, blocks, pages};
 use crumple_tests::program::{crumple, root};

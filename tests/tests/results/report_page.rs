@@ -422,8 +422,8 @@ fn a_warning_jumps_to_its_time_and_element() {
     sound(&mut browser);
 }
 
-/// A rigid plate moves at 2 mm/ms until a wall stops it after 1 mm. Without a node in the histories,
-/// its displacement is that of its mass centre, in the summary and on the page.
+/// A rigid plate moves at 2 mm/ms until a wall stops it after 1 mm. Without a node in the
+/// histories, its displacement is that of its mass centre, in the summary and on the page.
 #[test]
 fn a_rigid_part_gives_the_displacement_of_crush_figures() {
     let job = r#"

@@ -23,7 +23,7 @@ columns name the quantity that uses most of its tolerance: the deviation over th
 1 if it is outside. All quantities are in [the table of rows](VERIFICATION_ROWS.md).
 ";
 
-/// What a crash engineer loses by the known failures of these entries, the gravest first.
+/// Losses of a crash engineer by the known failures of these entries, the gravest first.
 const LOSSES: [(&str, &[&str]); 8] = [
     ("Crush force and remaining deflection, on meshes of the usual size", &["B08", "B12"]),
     ("Light parts between heavy ones", &["C15"]),

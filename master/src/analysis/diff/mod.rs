@@ -69,7 +69,7 @@ struct Comparison {
     parting: Option<Parting>,
     /// Largest difference of each quantity.
     largest: BTreeMap<String, Difference>,
-    /// What is not compared, and why.
+    /// Columns that are not compared, and why.
     notes: Vec<String>,
 }
 

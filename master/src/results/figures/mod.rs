@@ -145,7 +145,7 @@ impl RunHistories {
         let far = |object: usize| {
             let vector = self.vector(object, "displacement")?;
             let most = (0..self.all.rows).map(|row| vector.magnitude(row)).fold(0.0, f64::max);
-            // What the run recorded comes before the mass centres, which follow from momenta.
+            // Recorded displacements come before those of mass centres, which follow from momenta.
             let is_recorded = self.all.objects[object].kind != MASS_CENTRE;
             (most > 0.0).then_some(((is_recorded, most), object))
         };

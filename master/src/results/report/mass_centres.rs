@@ -1,5 +1,6 @@
-//! Displacements of the mass centres of rigid parts, from their momenta in `parts.csv`: a rigid body
-//! moves as a whole, so this is a displacement for crush figures without a node in the histories.
+//! Displacements of the mass centres of rigid parts, from their momenta in `parts.csv`: a rigid
+//! body moves as a whole, so this is a displacement for crush figures without a node in the
+//! histories.
 
 use super::histories::HistoryObject;
 use std::collections::BTreeMap;

@@ -47,7 +47,7 @@ impl Control<'_> {
             .iter()
             .map(|one| {
                 let line = one.line();
-                // Kind and part tell readers of the log which warning of the summary this is.
+                // Kind and part identify the warning of the summary for readers of the log.
                 tracing::warn!(warning = line, kind = one.kind.name(), part = one.part);
                 line
             })

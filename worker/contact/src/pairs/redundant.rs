@@ -94,8 +94,9 @@ impl PairTable {
         Ok(())
     }
 
-    /// Returns true if another pair of the same interface closes the same gap in its place. Its owner
-    /// and the owner of `pair` both know both pairs, because each pair acts on the slave of the other.
+    /// Returns true if another pair of the same interface closes the same gap in its place. Its
+    /// owner and the owner of `pair` both know both pairs, because each pair acts on the slave of
+    /// the other.
     fn is_replaced(&self, pair: &Pair) -> bool {
         let Some(faced) = faced_node(pair) else { return false };
         let Ok(place) = self.touched.binary_search(&faced) else { return false };

@@ -264,8 +264,8 @@ mod tests {
         near(stored(&mut blocks, &nodes), [0.0, change / mid]);
     }
 
-    /// A tetrahedron counts by a quarter of its volume at each node, a wedge by a sixth of the share
-    /// that it averages: 1 - 13/14 at nu = 0.4.
+    /// A tetrahedron counts by a quarter of its volume at each node, a wedge by a sixth of the
+    /// share that it averages: 1 - 13/14 at nu = 0.4.
     #[test]
     fn tetrahedra_and_wedges_average_together() {
         let sink = 0.1;

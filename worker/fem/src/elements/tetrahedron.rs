@@ -15,12 +15,12 @@
 //! with V the volume in the middle of the step and dV its change. `w_e` is the share of its volume
 //! strain that an element averages: 1, and less for a [`wedge`](super::wedge). The forces use the
 //! stress of the element and its own gradient. With one bulk modulus this is the potential of the
-//! nodal volumes: `w_e V_e` times the matrix that averages d is symmetric, so work and stress belong
-//! together, also where tetrahedra meet wedges. Its eigenvalues are at most 1: the stable step of the element
-//! without averaging is safe. A node averages only over elements of the same part, since a pressure
-//! may jump between two materials. A pressure that is not linear in the volume strain has no such
-//! potential: foams do not average, and rubbers keep the energy as far as their bulk modulus is
-//! constant. A failed element leaves the sums.
+//! nodal volumes: `w_e V_e` times the matrix that averages d is symmetric, so work and stress
+//! belong together, also where tetrahedra meet wedges. Its eigenvalues are at most 1: the stable
+//! step of the element without averaging is safe. A node averages only over elements of the same
+//! part, since a pressure may jump between two materials. A pressure that is not linear in the
+//! volume strain has no such potential: foams do not average, and rubbers keep the energy as far as
+//! their bulk modulus is constant. A failed element leaves the sums.
 //!
 //! Stable step as for the hexahedron, with a quarter of the mass at each corner:
 //! `omega^2 <= (4/rho) (2 mu g + max(lambda, 0) tr G)`.

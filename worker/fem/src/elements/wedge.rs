@@ -12,10 +12,11 @@
 //! ```text
 //! eps <- eps + (1 - s) (d_e - tr eps)/3 I,   s = min(1, 13/6 mu/K)
 //! ```
-//! It counts in the sums of its nodes with `(1 - s) V_e`. The wedge resists its own change of volume as at nu = 0.3, the mean change at its nodes with the
-//! rest of K (as Puso & Solberg 2006). With s = 0 bending is too soft: by 19 % with two wedges
-//! through the depth of a beam, instead of 4 %. Strains that are linear along zeta, as in bending
-//! of a plate, have no parasitic shear at the centroids.
+//! It counts in the sums of its nodes with `(1 - s) V_e`. The wedge resists its own change of
+//! volume as at nu = 0.3, the mean change at its nodes with the rest of K (as Puso & Solberg 2006).
+//! With s = 0 bending is too soft: by 19 % with two wedges through the depth of a beam, instead of
+//! 4 %. Strains that are linear along zeta, as in bending of a plate, have no parasitic shear at
+//! the centroids.
 //!
 //! The two points see no twist of the triangles against each other. With s = -1 at the first and 1
 //! at the second triangle, n the unit vector between their centroids, r the vector from the

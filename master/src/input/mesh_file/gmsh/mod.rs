@@ -57,8 +57,8 @@ pub struct MshReader<'a, 'b> {
     content: MshContent,
 }
 
-/// Element types of MSH: number, nodes, cell. Gmsh has one order for all elements of a mesh, so that
-/// shells next to tetrahedra with 10 nodes have nodes on their sides too.
+/// Element types of MSH: number, nodes, cell. Gmsh has one order for all elements of a mesh, so
+/// that shells next to tetrahedra with 10 nodes have nodes on their sides too.
 const TYPES: &[(i64, usize, Cell)] = &[
     (1, 2, Cell::Line),
     (2, 3, Cell::Triangle),
