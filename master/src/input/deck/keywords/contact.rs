@@ -83,12 +83,13 @@ const UNUSED_BY_OPTION: &[UnusedFields] = unused!(no_effect(
     "the options of ties that use it are not supported"
 ));
 
-const SINGLE: &str = "`[contact]`, from the second card on `[[contact.interface]]`: contact of its \
-    parts with each other and with themselves. fs, fd and dc are the friction (times fsf), vc \
-    its limit (times vsf), sast or sfsat the thickness, bt and dt birth and death. If several cards contain the same two \
-    parts, the last one counts. The option MORTAR of AUTOMATIC_SINGLE_SURFACE and \
-    AUTOMATIC_SURFACE_TO_SURFACE sets the `law` to `mortar`, in other contacts it has no effect. \
-    Only AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL include beams";
+const SINGLE: &str = "`[contact]`, from the second card on `[[contact.interface]]`: \
+    contact of its parts with each other and with themselves. fs, fd and dc are the friction \
+    (times fsf), vc its limit (times vsf), sast or sfsat the thickness, bt and dt birth and \
+    death. If several cards contain the same two parts, the last one counts. The option MORTAR \
+    of AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_SURFACE_TO_SURFACE sets the `law` to `mortar`, in \
+    other contacts it has no effect. Only AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL include \
+    beams";
 const PAIR: &str = "the same for the parts of surfa `against` those of surfb, after all contacts \
     of single surfaces; the thickness is the mean of both sides";
 
