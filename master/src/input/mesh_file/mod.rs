@@ -149,7 +149,8 @@ pub const FORMATS: &[MeshFormat] = &[
     ),
     refused(
         "Medit",
-        &["mesh", "meshb"],
+        // Own mesh files in TOML may have the extension .mesh too.
+        &["meshb"],
         |head, _| has_line(head, |line| line.trim_start().starts_with("MeshVersionFormatted")),
         "convert it, for example by Gmsh: gmsh FILE.mesh -save -o FILE.msh",
     ),

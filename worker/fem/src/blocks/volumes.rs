@@ -265,13 +265,13 @@ mod tests {
     }
 
     /// A tetrahedron counts by a quarter of its volume at each node, a wedge by a sixth of the
-    /// share that it averages: 1 - 13/14 at nu = 0.4.
+    /// share that it averages: 1 - 13/28 at nu = 0.4.
     #[test]
     fn tetrahedra_and_wedges_average_together() {
         let sink = 0.1;
         let (mut blocks, nodes) = with_wedge(sink);
         let (mid, change) = ((HEIGHT - 0.5 * sink) / 6.0, -sink / 6.0);
-        let averaged = 1.0 / 14.0;
+        let averaged = 15.0 / 28.0;
         let common = (change / 4.0) / (mid / 4.0 + averaged * 0.5 / 6.0);
         let wanted = [3.0 * common / 6.0, 0.25 * (3.0 * common + change / mid)];
         for ((_, found), wanted) in stored(&mut blocks, &nodes).into_iter().zip(wanted) {
@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn tetrahedra_and_wedges_have_a_potential() {
         let small = 1e-6;
-        let averaged = 1.0 / 14.0;
+        let averaged = 15.0 / 28.0;
         let [tetrahedron, wedge] = [HEIGHT / 6.0, 0.5];
         // Strains of one element, and what the other one averages.
         let (mut blocks, nodes) = with_wedge(small);
