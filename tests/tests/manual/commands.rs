@@ -1,4 +1,4 @@
-//! The commands of the tutorials run in one folder, page after page as a reader may do it, with the
+//! The commands of all tutorials run in one folder, page after page as a reader may do it, with the
 //! files that the pages show. Runs stop after a few cycles: results are not compared, output of
 //! `check` is.
 
@@ -109,10 +109,12 @@ fn commands_of_the_tutorials_run() {
     let mut list = pages("docs/tutorials");
     list.extend(["docs/getting-started.md".into(), "README.md".into()]);
     let mut wrong = Vec::new();
-    let folder = folder();
+    let shared = folder();
     for page in list.iter().filter(|page| !NEED_OTHER_PROGRAM.contains(&&page[..])) {
         let blocks = blocks(page);
-        let outputs = run(page, &blocks, folder.path());
+        // The tutorials follow each other, the other two pages are begins.
+        let own = (!page.starts_with("docs/tutorials")).then(folder);
+        let outputs = run(page, &blocks, own.as_ref().unwrap_or(&shared).path());
         let shell: Vec<usize> =
             (0..blocks.len()).filter(|at| blocks[*at].language == "sh").collect();
         assert_eq!(outputs.len(), shell.len(), "{page}: the script ended early: {outputs:?}");
