@@ -157,7 +157,7 @@ fn elastic(block: &AbaqusBlock, material: &mut FileMaterial, reading: &mut MeshR
 }
 
 /// Yield stress over plastic strain at one strain rate.
-struct YieldCurve {
+struct AbaqusYieldCurve {
     /// Rate [1/time].
     rate: f64,
     /// Plastic strain and yield stress.
@@ -167,7 +167,7 @@ struct YieldCurve {
 fn plastic(
     block: &AbaqusBlock,
     material: &mut FileMaterial,
-    curves: &mut Vec<YieldCurve>,
+    curves: &mut Vec<AbaqusYieldCurve>,
     reading: &mut MeshReading,
 ) {
     let kind = block.value("HARDENING").unwrap_or("ISOTROPIC").to_uppercase();
@@ -225,7 +225,7 @@ fn plastic(
         let message = "*PLASTIC has no values";
         reading.error("material", block.place, message, "write stress, plastic strain");
     }
-    curves.push(YieldCurve { rate, rows });
+    curves.push(AbaqusYieldCurve { rate, rows });
 }
 
 fn plastic_twice(block: &AbaqusBlock, material: &FileMaterial, reading: &mut MeshReading) {
@@ -343,7 +343,7 @@ fn rate_factors(block: &AbaqusBlock, reading: &mut MeshReading) -> Option<FileRa
 /// Gives a material its curve, or those of several rates.
 fn settle_curves(
     material: &mut FileMaterial,
-    mut curves: Vec<YieldCurve>,
+    mut curves: Vec<AbaqusYieldCurve>,
     reading: &mut MeshReading,
 ) {
     curves.retain(|curve| !curve.rows.is_empty());
