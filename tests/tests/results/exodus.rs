@@ -62,6 +62,16 @@ fn the_file_of_a_run_is_a_mesh() {
     }
 }
 
+/// A part without a name, and one whose name looks like what stands for it: both keep their ids.
+#[test]
+fn names_of_parts_do_not_change_their_ids() {
+    let sets = ["--set", "part.2.name=part_1", "--set", "part.1.name="];
+    let ended = with_file("cases/bars", &[&["--set", "time.max_cycles=2"], &sets[..]].concat());
+    let mesh = crumple::input::exodus::read(&ended.out().join("fields.exo")).unwrap();
+    let parts: std::collections::BTreeSet<u32> = mesh.elements.iter().map(|e| e.part).collect();
+    assert_eq!(parts, [1, 2].into());
+}
+
 const JOB: &str = r#"
 title = "a block"
 units = "mm, ms, kg"

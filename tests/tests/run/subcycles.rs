@@ -4,7 +4,7 @@
 
 use crumple::input::job::Model;
 use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
-use crumple_verification::scene::Scene;
+use crumple_verification::scene::{Cut, Scene};
 use crumple_worker::engine::Engine;
 
 const E: f64 = 207.0;
@@ -17,6 +17,7 @@ const FORCE: f64 = 0.1;
 enum Bodies {
     Shells,
     Solids,
+    Wedges,
     Beams,
 }
 
@@ -34,10 +35,13 @@ fn bar_text(kind: Bodies, end_time: f64) -> String {
     assert_eq!(x[23], LENGTH);
     let section: &[[f64; 2]] = match kind {
         Bodies::Shells => &[[0.0, 0.0], [SIDE, 0.0]],
-        Bodies::Solids => &[[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]],
+        Bodies::Solids | Bodies::Wedges => &[[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0, SIDE]],
         Bodies::Beams => &[[0.0, 0.0]],
     };
     let mut scene = Scene::default();
+    if kind == Bodies::Wedges {
+        scene.cut(Cut::Wedges);
+    }
     let nodes: Vec<Vec<u32>> =
         x.iter().map(|&x| section.iter().map(|&[y, z]| scene.node([x, y, z])).collect()).collect();
     let third = if kind == Bodies::Beams { scene.node([50.0, 50.0, 0.0]) } else { 0 };
@@ -45,7 +49,7 @@ fn bar_text(kind: Bodies, end_time: f64) -> String {
         let (a, b) = (&ends[0], &ends[1]);
         match kind {
             Bodies::Shells => _ = scene.shell(1, &[a[0], b[0], b[1], a[1]]),
-            Bodies::Solids => {
+            Bodies::Solids | Bodies::Wedges => {
                 scene.solid(1, std::array::from_fn(|c| if c < 4 { a[c] } else { b[c - 4] }));
             }
             Bodies::Beams => scene.beam(1, [a[0], b[0], third]),
@@ -56,7 +60,7 @@ fn bar_text(kind: Bodies, end_time: f64) -> String {
     scene.set_named("all", &nodes.concat());
     let part = match kind {
         Bodies::Shells => format!("thickness = {SIDE:?}\npoints = 2"),
-        Bodies::Solids => "bulk_viscosity = [0.0, 0.0]".to_string(),
+        Bodies::Solids | Bodies::Wedges => "bulk_viscosity = [0.0, 0.0]".to_string(),
         Bodies::Beams => {
             "[part.beam]\nsection = \"rectangle\"\nheight = 5.0\nwidth = 5.0".to_string()
         }
@@ -83,6 +87,23 @@ fn slow(model: &Model) -> usize {
 fn tip(e: &Engine) -> f64 {
     let last = e.nodes.local_count - 1;
     e.nodes.x[last][0] - e.nodes.x0[last][0]
+}
+
+/// Wedges are slow elements as long as they do not average their volume strain with neighbours:
+/// with nu up to 0.3, or if they are asked not to.
+#[test]
+fn wedges_that_average_nothing_are_slow() {
+    for (poisson, pressure, wanted) in
+        [("0.3", "nodal", true), ("0.45", "nodal", false), ("0.45", "element", true)]
+    {
+        let sets = [
+            "time.subcycles=4",
+            &format!("material.steel.poisson={poisson}"),
+            &format!("part.1.pressure={pressure}"),
+        ];
+        let model = bar(Bodies::Wedges, 0.01, &sets);
+        assert_eq!(slow(&model) > 0, wanted, "nu = {poisson}, {pressure}");
+    }
 }
 
 /// A suddenly pulled tip moves with F c/(E A) until the wave returns: 1.5 F L/(E A) after 1.5

@@ -208,10 +208,9 @@ fn blocks(
             (kind, _) => return Err(format!("cells of VTK type {kind} with {corners} nodes")),
         };
         // The largest group of corners of a part has its id.
-        let name = name_of(part);
-        let first = !blocks.iter().any(|b: &WrittenBlock| b.name == name);
+        let first = !blocks.iter().any(|b: &WrittenBlock| i64::from(b.id) == i64::from(part));
         let (id, name) = if first {
-            (part, name)
+            (part, name_of(part))
         } else {
             free += 1;
             (free, format!("part_{part}_{}", kind.to_lowercase()))
