@@ -97,7 +97,7 @@ fn wedges_that_average_nothing_are_slow() {
         [("0.3", "nodal", true), ("0.45", "nodal", false), ("0.45", "element", true)]
     {
         let sets = [
-            "time.subcycles=4",
+            "time.subcycles=2",
             &format!("material.steel.poisson={poisson}"),
             &format!("part.1.pressure={pressure}"),
         ];
