@@ -2,6 +2,7 @@
 
 use super::base::{BASE, MOVES, STEEL, model_of, with};
 use crumple::input::job::{Model, read};
+use crumple_proto::job::Setting;
 use crumple_proto::mesh::Shape;
 use std::fs;
 
@@ -578,4 +579,21 @@ fn rigid_parts_may_have_their_own_inertia() {
     );
     let moved = |model: &Model| model.warnings.iter().any(|w| w.message.contains("centre of mass"));
     assert!(!moved(&model) && moved(&with_card("5,5,7")));
+}
+
+/// Wedges of elform 10 have the volume strain of each element, as tetrahedra have; those of elform
+/// 15 have the default.
+#[test]
+fn wedges_take_the_volume_strain_of_their_section() {
+    let cube = "1,2,1,2,3,4,5,6,7,8";
+    assert!(BASE.contains(cube) && BASE.contains("*SECTION_SOLID\n2,1\n"));
+    for (elform, wanted) in [(10, Some("element")), (15, None)] {
+        let wedge = BASE
+            .replace(cube, "1,2,1,2,3,4,5,5,8,8")
+            .replace("*SECTION_SOLID\n2,1\n", &format!("*SECTION_SOLID\n2,{elform}\n"));
+        let model = model_of(&format!("{wedge}{STEEL}{MOVES}"));
+        let part = model.job.part.iter().find(|part| part.id == 2).expect("the wedge");
+        let given = part.parameters.get("pressure");
+        assert_eq!(given, wanted.map(Setting::from).as_ref(), "elform {elform}");
+    }
 }
