@@ -232,7 +232,8 @@ impl Kernel for BelytschkoTsay {
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
         bounds::drill(drill, stiff, &ahead);
-        BOUNDS.apply::<R, N>((&self.section, section), (hourglass, drill), thickness, g.area);
+        let sides2 = ([g.area; HOURGLASS], g.area);
+        BOUNDS.apply::<R, N>((&self.section, section), (hourglass, drill), thickness, sides2);
         let energy = bounds::work(drill, &ahead, bounds::work(hourglass, &rates, energy));
 
         // 4. Corner forces, mode by mode.

@@ -8,15 +8,16 @@
 //! drilling of a node Q_d = sig t^2 a/16
 //! ```
 //! (stress of one sign on either side of the middle; Q_t is twice the plastic twisting moment; Q_d
-//! is a quarter of the plastic moment of a side). Each formulation limits its forces to fractions
-//! of these.
+//! is a quarter of the plastic moment of a side). In a rectangle, a is the side across which the
+//! strain of the mode varies. Each formulation limits its forces to fractions of these.
 
 use super::quad::DRILLING as DRILLING_MODES;
 use super::section::Section;
 use crate::materials::PointReal;
 use crumple_math::lanes::Real;
 
-/// Largest drilling moment of a node in a plastic part, as a fraction of [`Capacity::drilling`].
+/// Largest drilling moment of a node in a plastic part, as a fraction of its
+/// capacity.
 const DRILLING_BOUND: f64 = 0.01;
 /// 8/sqrt 3: Q_t over `sig t^2/16`.
 const TWIST: f64 = 4.618_802_153_517_006;
@@ -43,82 +44,66 @@ pub struct Bounds<const M: usize> {
 /// Bounds of a formulation that limits its drilling moments alone.
 pub const DRILLING: Bounds<0> = Bounds { modes: [], strength: 0.0 };
 
-/// Limit forces of a fully plastic element in the modes of stabilising forces.
-struct Capacity<R> {
-    /// [force].
-    membrane: R,
-    /// [force length].
-    bending: R,
-    /// [force].
-    twist: R,
-    /// Limit of a node about the normal [force length].
-    drilling: R,
-}
-
-impl<R: Real> Capacity<R> {
-    /// Computes the capacity from flow stress [force/length^2], thickness [length] and area
-    /// [length^2].
+impl Mode {
+    /// Returns the force of a fully plastic element in this mode [force or force length] from flow
+    /// stress [force/length^2], thickness [length] and the square of its side [length^2].
     #[inline(always)]
-    fn new(flow_stress: R, thickness: R, area: R) -> Self {
+    fn capacity<R: Real>(self, flow_stress: R, thickness: R, side2: R) -> R {
         let quarter = R::splat(0.25) * thickness;
         let per_length = quarter * flow_stress;
-        let membrane = per_length * area.sqrt();
-        let bending = quarter * membrane;
-        let twist = R::splat(TWIST) * quarter * per_length;
-        Self { membrane, bending, twist, drilling: bending }
+        match self {
+            Self::Membrane => per_length * side2.sqrt(),
+            Self::Bending => quarter * (per_length * side2.sqrt()),
+            Self::Twist => R::splat(TWIST) * quarter * per_length,
+        }
     }
 
-    /// Computes the squares of all members, which needs no root.
+    /// Returns the square of [`Self::capacity`], which needs no root.
     #[inline(always)]
-    fn squares(flow_stress: f64, thickness: R, area: R) -> Self {
+    fn capacity_squared<R: Real>(self, flow_stress: f64, thickness: R, side2: R) -> R {
         let quarter = R::splat(0.25) * thickness;
         let per_length = R::splat(flow_stress) * quarter;
         let (quarter2, per_length2) = (quarter * quarter, per_length * per_length);
-        let membrane = per_length2 * area;
-        let bending = quarter2 * membrane;
-        let twist = R::splat(TWIST * TWIST) * quarter2 * per_length2;
-        Self { membrane, bending, twist, drilling: bending }
-    }
-
-    #[inline(always)]
-    fn in_mode(&self, mode: Mode) -> R {
-        match mode {
-            Mode::Membrane => self.membrane,
-            Mode::Bending => self.bending,
-            Mode::Twist => self.twist,
+        match self {
+            Self::Membrane => per_length2 * side2,
+            Self::Bending => quarter2 * (per_length2 * side2),
+            Self::Twist => R::splat(TWIST * TWIST) * quarter2 * per_length2,
         }
     }
 }
 
+/// Mode whose capacity is that of a node about the normal.
+const OF_DRILLING: Mode = Mode::Bending;
+
 impl<const M: usize> Bounds<M> {
     /// Limits stabilising forces and drilling moments of plastic elements. `columns` are those of
-    /// the section. Flow stress and roots are computed only in groups with an element that is
-    /// beyond its capacity at the initial yield stress, which is the least flow stress.
+    /// the section, `sides2` the squares of the sides for each mode and for drilling [length^2].
+    /// Flow stress and roots are computed only in groups with an element that is beyond its
+    /// capacity at the initial yield stress, which is the least flow stress.
     #[inline(always)]
     pub fn apply<R: PointReal, const N: usize>(
         &self,
         (section, columns): (&Section, &[R]),
         (stabilising, drill): (&mut [R], &mut [R]),
         thickness: R,
-        area: R,
+        sides2: ([R; M], R),
     ) {
         let Some(yield_stress) = section.least_flow_stress() else { return };
-        let squares = Capacity::squares(yield_stress, thickness, area);
-        let exceeds = |force: R, square: R, fraction: f64| {
+        let exceeds = |force: R, mode: Mode, side2: R, fraction: f64| {
+            let square = mode.capacity_squared(yield_stress, thickness, side2);
             (force * force).gt(R::splat(fraction * fraction) * square)
         };
         let mut moment = drill[0].abs();
         for other in &drill[1..DRILLING_MODES] {
             moment = Real::max(moment, other.abs());
         }
-        let mut beyond = exceeds(moment, squares.drilling, DRILLING_BOUND);
-        for (&force, &mode) in stabilising[..M].iter().zip(&self.modes) {
-            beyond = R::either(beyond, exceeds(force, squares.in_mode(mode), self.strength));
+        let mut beyond = exceeds(moment, OF_DRILLING, sides2.1, DRILLING_BOUND);
+        for ((&force, &mode), side2) in stabilising[..M].iter().zip(&self.modes).zip(sides2.0) {
+            beyond = R::either(beyond, exceeds(force, mode, side2, self.strength));
         }
         if R::any(beyond) {
             let flow_stress = section.flow_stress::<R, N>(columns, yield_stress);
-            let capacity = Capacity::new(flow_stress, thickness, area);
-            self.limit(&capacity, (stabilising, drill), beyond);
+            self.limit((stabilising, drill), (flow_stress, thickness, sides2), beyond);
         }
     }
 
@@ -128,18 +113,20 @@ impl<const M: usize> Bounds<M> {
     #[cfg_attr(not(target_arch = "nvptx64"), cold, inline(never))]
     fn limit<R: Real>(
         &self,
-        capacity: &Capacity<R>,
         (stabilising, drill): (&mut [R], &mut [R]),
+        (flow_stress, thickness, sides2): (R, R, ([R; M], R)),
         beyond: R::Mask,
     ) {
         let limited = |value: R, bound: R| {
             R::select(beyond, Real::max(Real::min(value, bound), -bound), value)
         };
-        for (force, &mode) in stabilising.iter_mut().zip(&self.modes) {
-            *force = limited(*force, R::splat(self.strength) * capacity.in_mode(mode));
+        for ((force, &mode), side2) in stabilising.iter_mut().zip(&self.modes).zip(sides2.0) {
+            let capacity = mode.capacity(flow_stress, thickness, side2);
+            *force = limited(*force, R::splat(self.strength) * capacity);
         }
+        let capacity = OF_DRILLING.capacity(flow_stress, thickness, sides2.1);
         for moment in drill {
-            *moment = limited(*moment, R::splat(DRILLING_BOUND) * capacity.drilling);
+            *moment = limited(*moment, R::splat(DRILLING_BOUND) * capacity);
         }
     }
 }

@@ -195,7 +195,7 @@ impl Kernel for FullyIntegratedQuad {
             (&self.section, section),
             (&mut [], drill),
             thickness,
-            g.area,
+            ([], g.area),
         );
         let energy = bounds::work(drill, &ahead, energy);
 

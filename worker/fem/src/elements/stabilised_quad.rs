@@ -42,11 +42,12 @@
 //! and its rises are no hardening. The forces unload elastically, so that flow dissipates their
 //! energy. Shear stays elastic, as in the section.
 //!
-//! The formulation is valid if one layer of elements can follow the stress. If the centre stays
-//! elastic, the stabilising forces are not bounded. The options `hourglass` and `warping` of a part
-//! are not read.
+//! Where the centre stays elastic, the forces of membrane and bending in a plastic part are bounded
+//! by those of a fully plastic element (`bounds.rs`): one element over the depth of a beam that is
+//! bent in its plane has the plastic moment. The options `hourglass` and `warping` of a part are not
+//! read.
 
-use super::bounds;
+use super::bounds::{self, Bounds, Mode};
 use super::quad::{DRILLING, Kernel, Quad, QuadGeometry, QuadModes, QuadMotion, QuadResponse};
 use super::section::{Flow, Resultants, SAVED, SHEAR_CORRECTION, Section};
 use super::shell::Shell;
@@ -76,10 +77,14 @@ pub const ROW: ElementEntry = ElementEntry {
     build: Constructor::Shell(build),
 };
 
-/// Number of stabilising forces, on gam tx, gam ty, gamma_xi, gamma_eta [force length], gam vx and
-/// gam vy [force]. They are the first own columns, after those of the section; the drilling moments
-/// follow.
+/// Number of stabilising forces, on gam tx, gam ty [force length], gam vx, gam vy [force], gamma_xi
+/// and gamma_eta [force length]. They are the first own columns, after those of the section; the
+/// drilling moments follow.
 const STABILISING: usize = 6;
+/// Largest stabilising forces of membrane and bending in a plastic part: those of a fully plastic
+/// element.
+const BOUNDS: Bounds<4> =
+    Bounds { modes: [Mode::Bending, Mode::Bending, Mode::Membrane, Mode::Membrane], strength: 1.0 };
 
 /// Parameters of the stabilised shell.
 pub struct StabilisedQuad {
@@ -102,10 +107,10 @@ impl Kernel for StabilisedQuad {
     const OWN: &'static [&'static str] = &[
         "stabilising tx",
         "stabilising ty",
-        "stabilising xi",
-        "stabilising eta",
         "stabilising vx",
         "stabilising vy",
+        "stabilising xi",
+        "stabilising eta",
         "drilling 1 - 3",
         "drilling 2 - 4",
         "drilling h",
@@ -169,17 +174,17 @@ impl Kernel for StabilisedQuad {
         let (p2, q2) = (dot2(s.p, s.p), dot2(s.q, s.q));
         let nu_xy = R::splat(elastic.poisson) * s.j[2];
         let [jxx, jyy, _] = s.j;
-        let rates = [q_tx, q_ty, rate_xi, rate_eta, q_x, q_y];
+        let rates = [q_tx, q_ty, q_x, q_y, rate_xi, rate_eta];
         let more = [
             bending * jyy.mul_add(q_tx, nu_xy * q_ty),
             bending * jxx.mul_add(q_ty, nu_xy * q_tx),
-            shear * q2 * rate_xi / bends.mul_add(p2, one),
-            shear * p2 * rate_eta / bends.mul_add(q2, one),
             membrane * jxx.mul_add(q_x, -(nu_xy * q_y)),
             membrane * jyy.mul_add(q_y, -(nu_xy * q_x)),
+            shear * q2 * rate_xi / bends.mul_add(p2, one),
+            shear * p2 * rate_eta / bends.mul_add(q2, one),
         ];
         // In the section's factors membrane is 0 and bending is 1; shear stays elastic.
-        let kind = [Some(1), Some(1), None, None, Some(0), Some(0)];
+        let kind = [Some(1), Some(1), Some(0), Some(0), None, None];
         let tangent = tangent.each(|ratio| Real::max(ratio, R::splat(self.least_stiffness)));
         let ahead = sides.ahead(g, &motion);
         let energy = bounds::work(drill, &ahead, bounds::work(stabilising, &rates, R::zero()));
@@ -198,16 +203,19 @@ impl Kernel for StabilisedQuad {
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
         bounds::drill(drill, stiff, &ahead);
-        bounds::DRILLING.apply::<R, N>(
+        // Of a rectangle jxx/4 and jyy/4 are the squares of the sides along y and x.
+        let across_x = R::splat(0.25) * jxx;
+        let across_y = R::splat(0.25) * jyy;
+        BOUNDS.apply::<R, N>(
             (&self.section, section),
-            (&mut [], drill),
+            (stabilising, drill),
             thickness,
-            g.area,
+            ([across_y, across_x, across_x, across_y], g.area),
         );
         let energy = bounds::work(drill, &ahead, bounds::work(stabilising, &rates, energy));
 
         // 5. Corner forces.
-        let [on_tx, on_ty, on_xi, on_eta, on_x, on_y] = std::array::from_fn(|c| stabilising[c]);
+        let [on_tx, on_ty, on_x, on_y, on_xi, on_eta] = std::array::from_fn(|c| stabilising[c]);
         let on_sides = OnSides {
             n,
             m,
