@@ -1,8 +1,11 @@
-"""The tubes of B11, B12 and B13 as jobs with their own mesh, and their mean crush force.
+"""The tubes of B11, B12 and B13 as jobs with their own mesh, and their results.
 
     python3 tubes.py CASE REFINE ELEMENT [DEPTH] > job.toml    CASE is B11, B12a, B12b or B13
     crumple run job.toml --out DIR
-    python3 tubes.py --force CASE DIR                   mean force [kN]
+    python3 tubes.py --results CASE DIR
+
+The results are the mean force and the largest force over 0.1 ms [kN], the energy that the head has
+lost at each station [kJ], and the number of folds along the middle of a face at the last station.
 
 REFINE = 1 is the mesh of the catalogue (`tests/verification/src/crush.rs`), 2 has half its sides.
 DEPTH multiplies the depth of the trigger (default 1).
@@ -20,6 +23,9 @@ CASES = {
     "B12b": (40, 54, 0.266, (0.008, 0.039), 1.63e-3, 300e6, 0.0, 300.0, False, 0.6 * 0.266),
     "B13": (64, 40, 0.1, (0.0, 0.01), 1e-3, 200e6, 0.0, 100.0, False, 0.05),
 }
+# Stations of B11 [m]; the other tubes have them at quarters of the depth.
+STATIONS = [0.025, 0.05, 0.075, 0.1, 0.125, 0.15]
+WINDOW = 1e-4
 SQUARES = {"B11": (0.06, 5e-4), "B12a": (0.03707, 4e-4), "B12b": (0.04931, 4e-4)}
 SPEED = 15.0
 
@@ -63,12 +69,15 @@ def job(case, refine, element, deeper=1.0):
 [mesh.node_sets]
 head = {top}
 measured = {top[:: around // 8]}
+face = {list(range(around // 8 + 1, (along + 1) * around + 1, around))}
 all = {list(range(1, (along + 1) * around + 1))}
 [output]
 field_interval = -1.0
 history_interval = 2e-5
 [[output.node]]
 nodes = "measured"
+[[output.node]]
+nodes = "face"
 [[material]]
 name = "steel"
 law = "j2"
@@ -102,25 +111,60 @@ friction = 0.1""")
     return "\n".join(out)
 
 
-def force(case, folder):
-    """Energy that the head has lost at the depth, over the depth [kN]."""
-    head, depth = CASES[case][7], CASES[case][9]
-    motion = {}
+def moved(folder):
+    """Rows of the nodes by set and time, with the names of the columns without units."""
+    sets = {}
     with open(f"{folder}/nodes.csv") as file:
         for row in csv.DictReader(file):
             at = {name.split(" [")[0]: value for name, value in row.items()}
-            moved = motion.setdefault(float(at["time"]), [])
-            moved.append((-float(at["displacement z"]), float(at["velocity z"])))
-    ordered = [rows for _, rows in sorted(motion.items())]
-    means = [[sum(column) / len(rows) for column in zip(*rows)] for rows in ordered]
-    for (u, v), (next_u, next_v) in zip(means, means[1:]):
-        if next_u >= depth:
-            speed = v + (next_v - v) * (depth - u) / (next_u - u)
-            return 0.5e-3 * head * (SPEED**2 - speed**2) / depth
-    raise SystemExit(f"{folder}: the run ended before {depth} m")
+            sets.setdefault(at["nodes"], {}).setdefault(float(at["time"]), []).append(at)
+    return sets
 
 
-if sys.argv[1] == "--force":
-    print(f"{force(*sys.argv[2:4]):.2f}")
+def folds(case, rows):
+    """Reversals of the displacement along a face by more than two thicknesses."""
+    count, extreme, outward = 0, 0.0, None
+    for row in rows:
+        x, y, ux, uy = (float(row[name]) for name in ("x", "y", "displacement x", "displacement y"))
+        u = math.hypot(x, y) - math.hypot(x - ux, y - uy)
+        past = abs(u) if outward is None else (extreme - u if outward else u - extreme)
+        if past > 2.0 * CASES[case][4]:
+            outward = u > 0.0 if outward is None else not outward
+            count, extreme = count + 1, u
+        elif outward is not None and (u > extreme) == outward:
+            extreme = u
+    return count
+
+
+def results(case, folder):
+    head, depth = CASES[case][7], CASES[case][9]
+    stations = STATIONS if case == "B11" else [depth * k / 4 for k in range(1, 5)]
+    sets = moved(folder)
+    means = []
+    for time, rows in sorted(sets["measured"].items()):
+        u, v = (sum(float(r[name]) for r in rows) / len(rows)
+                for name in ("displacement z", "velocity z"))
+        means.append((time, -u, v))
+    lost = lambda v: 0.5e-3 * head * (SPEED**2 - v * v)
+    absorbed, peak, last = [], 0.0, (0.0, -SPEED)
+    for (_, u, v), (time, next_u, next_v) in zip(means, means[1:]):
+        if time >= last[0] + 0.999 * WINDOW:
+            peak = max(peak, 1e-3 * head * (next_v - last[1]) / (time - last[0]))
+            last = (time, next_v)
+        while len(absorbed) < len(stations) and next_u >= stations[len(absorbed)]:
+            station = stations[len(absorbed)]
+            absorbed.append(lost(v + (next_v - v) * (station - u) / (next_u - u)))
+        if len(absorbed) == len(stations):
+            end = time
+            break
+    else:
+        raise SystemExit(f"{folder}: the run ended before {depth} m")
+    energies = ", ".join(f"{energy:.3f}" for energy in absorbed)
+    return (f"mean force {absorbed[-1] / depth:.2f} kN, largest {peak:.2f} kN, "
+            f"energies {energies} kJ, folds {folds(case, sets['face'][end])}")
+
+
+if sys.argv[1] == "--results":
+    print(results(*sys.argv[2:4]))
 else:
     print(job(sys.argv[1], float(sys.argv[2]), sys.argv[3], *map(float, sys.argv[4:])))

@@ -27,8 +27,8 @@ pub const CATALOGUE: &[Entry] = &[
             bars::PAIR_UNEQUAL,
             bars::PAIR_ORDER,
             solid_bars::PAIR,
-            solid_bars::PAIR_SPLIT,
             solid_bars::PAIR_UNEQUAL,
+            solid_bars::PAIR_SPLIT,
             solid_bars::PAIR_SEGMENTS,
             solid_bars::PAIR_ORDER,
         ],
@@ -197,7 +197,7 @@ pub const CATALOGUE: &[Entry] = &[
         "B11",
         "Square tube, axial crush",
         &[crush::SQUARE],
-        "a rigid head (here a guided ring of masses); a reference for the number of folds",
+        "a rigid head (here a guided ring of masses)",
     ),
     entry(
         "B12",
@@ -205,7 +205,7 @@ pub const CATALOGUE: &[Entry] = &[
         &[crush::MEAN_FORCE],
         "the strain-rate factor ([U] constants)",
     ),
-    entry("B13", "Circular tube, axial crush", &[crush::ROUND], "the number of folds"),
+    entry("B13", "Circular tube, axial crush", &[crush::ROUND], ""),
     entry(
         "B15",
         "S-beam crash",
@@ -219,7 +219,12 @@ pub const CATALOGUE: &[Entry] = &[
         "pipe on pipe: no numbers could be read from the sources",
     ),
     entry("B18", "Can crush, brick wall", &[], "qualitative"),
-    entry("B19", "Short square tube (`cases/tube`)", &[crashes::SHORT_TUBE], ""),
+    entry(
+        "B19",
+        "Short square tube (`cases/tube`)",
+        &[crashes::SHORT_TUBE, crashes::COEFFICIENTS],
+        "",
+    ),
     entry(
         "B20",
         "Jeep frame, first 10 ms (`cases/jeep-frame`)",

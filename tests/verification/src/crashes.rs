@@ -23,6 +23,9 @@ use std::ops::ControlFlow;
 pub const S_BEAM: Check = Check { name: "S-beam", quick: false, run: s_beam };
 /// Check of B19.
 pub const SHORT_TUBE: Check = Check { name: "short square tube", quick: false, run: short_tube };
+/// Check of B19.
+pub const COEFFICIENTS: Check =
+    Check { name: "short square tube, coefficients", quick: false, run: coefficients };
 /// Check of B20.
 pub const FRAME: Check =
     Check { name: "jeep frame", quick: false, run: |bench| frame(bench, |shell| shell != FULL) };
@@ -270,8 +273,9 @@ fn s_beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     )
 }
 
+const TUBE: &str = include_str!("../../../cases/tube/job.toml");
+
 fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
-    const JOB: &str = include_str!("../../../cases/tube/job.toml");
     let crash =
         Crash { axis: 2, window: 0.1, stations: &[0.5, 1.0, 1.5, 2.0], to_kn: 1.0, to_ms: 1.0 };
     let meshes = [
@@ -291,9 +295,41 @@ fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
                 format!("scene.elements={n}"),
                 "end_time=2.01".into(),
             ];
-            bench.model_of(&format!("B19 {shell} {n}"), JOB.into(), &sets)
+            bench.model_of(&format!("B19 {shell} {n}"), TUBE.into(), &sets)
         },
     )
+}
+
+/// Folds of a perfectly plastic tube over the whole range of the coefficients of hourglass control
+/// and drilling: no element inverts, which would end the run.
+fn coefficients(bench: &Bench) -> Result<Vec<CheckRow>, String> {
+    let crash = Crash { axis: 2, window: 0.1, stations: &[2.0], to_kn: 1.0, to_ms: 1.0 };
+    let mut all = Vec::new();
+    for shell in shells() {
+        for (hourglass, drilling) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)] {
+            let mut sets = vec![
+                format!("part.tube.element=\"{shell}\""),
+                format!("part.tube.drilling={drilling:?}"),
+                "material.steel.hardening_modulus=0.0".into(),
+                "end_time=2.01".into(),
+            ];
+            let mut variant = format!("{shell}, 2.5 mm, perfectly plastic, drilling {drilling}");
+            if shell != FULL {
+                sets.push(format!("part.tube.hourglass_coefficient={hourglass:?}"));
+                variant = format!("{variant}, hourglass_coefficient {hourglass}");
+            } else if hourglass > 0.0 {
+                continue; // it has none
+            }
+            let model = bench.model_of(&format!("B19 {variant}"), TUBE.into(), &sets)?;
+            let (shown, rows) = crash.run(&variant, &model)?;
+            all.push(CheckRow::new("mean force up to 2 ms", &variant, "kN", shown.mean));
+            // Hourglass energy at the largest coefficients is what they are chosen for.
+            all.extend(rows.into_iter().map(|row| {
+                if row.quantity.starts_with("hourglass") { row.recorded() } else { row }
+            }));
+        }
+    }
+    Ok(all)
 }
 
 fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<CheckRow>, String> {

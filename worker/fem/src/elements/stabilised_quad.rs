@@ -44,8 +44,8 @@
 //!
 //! Where the centre stays elastic, the forces of membrane and bending in a plastic part are bounded
 //! by those of a fully plastic element (`bounds.rs`): one element over the depth of a beam that is
-//! bent in its plane has the plastic moment. The options `hourglass` and `warping` of a part are not
-//! read.
+//! bent in its plane has the plastic moment. The options `hourglass` and `warping` of a part are
+//! not read.
 
 use super::bounds::{self, Bounds, Mode};
 use super::quad::{DRILLING, Kernel, Quad, QuadGeometry, QuadModes, QuadMotion, QuadResponse};
@@ -203,7 +203,7 @@ impl Kernel for StabilisedQuad {
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
         bounds::drill(drill, stiff, &ahead);
-        // Of a rectangle jxx/4 and jyy/4 are the squares of the sides along y and x.
+        // jxx/4 and jyy/4 are the squares of the sides of a rectangle along y and x.
         let across_x = R::splat(0.25) * jxx;
         let across_y = R::splat(0.25) * jyy;
         BOUNDS.apply::<R, N>(

@@ -145,7 +145,7 @@ fn stabilising_forces_of_a_plastic_part_reach_the_plastic_moment() {
     // Two opposite forces on a side of the length h make the moment in the plane.
     let of_x = in_plane / h;
     let of_y = of_x * l / h;
-    // Of a curvature that varies from -1 to 1 half acts on average, at two nodes of a side.
+    // A curvature that varies from -1 to 1 is one half on average; a side has two nodes.
     let (of_tx, of_ty) = (out * l / 4.0, out * h / 4.0);
     for coefficient in [0.0, 0.01, 1.0] {
         for (mode, bound) in [of_x, of_y, of_tx, of_ty].into_iter().enumerate() {
