@@ -22,6 +22,11 @@ use crate::surroundings::VelocityConstraint;
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{Row, V3, row};
 
+/// Smallest fraction of the force weights of a side, times shape values, on nodes that can move
+/// along the normal. Below it the side counts as fixed: a gap that is closed by its motion would
+/// throw nodes, at more than ten times the speed of the contact point.
+pub const MOVABLE: f64 = 1e-2;
+
 /// Force of all pairs on a node [force], and their moment if any pair has one [force length].
 pub type NodalLoad<'a> = (&'a V3, Option<&'a V3>);
 
@@ -152,6 +157,8 @@ impl PairTable {
     /// over all pairs of a node, a pair gets the part A/c of the node's mass, and the update
     /// converges as well.
     ///
+    /// A side that hardly moves along the normal counts as fixed ([`MOVABLE`]).
+    ///
     /// If friction rotates nodes, the tangential compliance includes their rotational inertias.
     /// These are split in the same way: the weight of a pair in a moment is its force weight
     /// times its lever arm.
@@ -198,6 +205,8 @@ impl PairTable {
         {
             let mut soft = [0.0; 2];
             let mut sides = [0.0; 2];
+            // Force weights of the nodes of either side, and those that can move along the normal.
+            let (mut all, mut movable) = ([0.0; 2], [0.0; 2]);
             let mut rolling = 0.0;
             let split = is_split(pair);
             // Roles give the same order on all workers; local numbers do not.
@@ -208,10 +217,17 @@ impl PairTable {
                 let moved =
                     if together { crowd[r] / pair.area } else { pair.share(r) } * pair.follows(r);
                 let n = &pair.normal;
-                let along = moved * (n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2]);
-                soft[0] += along;
-                sides[usize::from(pair.is_slave_role(r as u8))] += along;
-                soft[1] += moved * inv[0].max(inv[1]).max(inv[2]);
+                let direct = n.x * n.x * inv[0] + n.y * n.y * inv[1] + n.z * n.z * inv[2];
+                let largest = inv[0].max(inv[1]).max(inv[2]);
+                let side = usize::from(pair.is_slave_role(r as u8));
+                let weight = pair.share(r) * pair.follows(r);
+                all[side] += weight;
+                if direct > 0.0 {
+                    movable[side] += weight * (direct / largest);
+                }
+                soft[0] += moved * direct;
+                sides[side] += moved * direct;
+                soft[1] += moved * largest;
                 let arm = pair.lever_arm_of(r).abs();
                 if arm > 0.0 {
                     let inv = constraints.inv_inertia(nodes, pair.nodes[r]);
@@ -221,6 +237,11 @@ impl PairTable {
                         pair.share(r) * arm
                     };
                     rolling += twist * arm * pair.follows(r) * inv[0].max(inv[1]).max(inv[2]);
+                }
+            }
+            for side in 0..2 {
+                if movable[side] < MOVABLE * all[side] {
+                    (sides[side], soft[0]) = (0.0, sides[1 - side]);
                 }
             }
             pair.compliance = [soft[0], soft[1] + rolling];

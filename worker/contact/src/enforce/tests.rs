@@ -15,7 +15,7 @@ use super::{CONTACT_LAWS, Elasticity};
 use crate::Contact;
 use crate::enforce::Iteration;
 use crate::interfaces::Interfaces;
-use crate::pairs::Pair;
+use crate::pairs::{MOVABLE, Pair};
 use crate::surface::{NOT_LOCAL, Segment, Surface};
 use crate::testing::Free;
 use crate::work::ContactWork;
@@ -415,6 +415,30 @@ fn a_node_between_two_plates_ends_at_rest() {
             left[0].1 < 0.5,
             "the node stays between the middle planes of the plates: {left:?}"
         );
+    }
+}
+
+/// A held node sinks into a segment that is held at one side. Near this side the contact point
+/// hardly follows the free nodes, which must not be thrown to move it.
+#[test]
+fn a_held_node_near_a_held_side_throws_no_node() {
+    for (name, job) in all_laws() {
+        let fastest = |y: f64| {
+            let mut points = square([1.0; 4]);
+            points[..2].iter_mut().for_each(|p| *p = held(p.x));
+            points.push(held([0.0, y, THICK]));
+            let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3]], &[4], 1e-3);
+            scene.step();
+            scene.put(4, [0.0, y, 0.7 * THICK]);
+            scene.step();
+            (0..4).map(|i| scene.v(i).norm()).fold(0.0, f64::max)
+        };
+        for y in [-1.0, -0.9998, -0.98, -0.9] {
+            // The contact point leaves with 4e-5 of the wave speed at most.
+            let limit = 4e-5 * SPEED / MOVABLE.sqrt();
+            assert!(fastest(y) <= limit, "{name}, {y}: {}", fastest(y));
+        }
+        assert!(fastest(0.0) > 0.0, "{name}: the middle of the segment gives way");
     }
 }
 
