@@ -34,7 +34,13 @@ const INSIDE_A_STEP: &str = "contact begins and ends within a step, but the spri
                              contact within the step, a node leaves with 0.969 to 1.033 of its \
                              speed at the default scale, 1.001 on average";
 const SWEEPS: &str = "the default of 20 sweeps is too few for a mass ratio of 1 to 1000: they stop \
-                      the approach over many steps, and overshoot";
+                      the approach over many steps, and overshoot. Experiment with the kinematic \
+                      law: 20, 200, 2000, 5000 and 10000 sweeps leave 0.69, 0.49, 0.065, 0.0026 \
+                      and 0.0004 m/s; a tolerance of 1e-9 leaves 4e-7 m/s with 20000. With 20 \
+                      sweeps, 0.004 m/s are left at a mass ratio of 1 to 4. Half and a tenth of \
+                      the safety factor leave 0.69 m/s. The overshoot is the release of the \
+                      penetration: at 0.1, 0.01 and 0.001 of its largest speed, 20 sweeps leave \
+                      0.16, 0.015 and 0.0001 m/s";
 
 /// Fraction of the contact thickness that sweeps may leave of a gap in a step
 /// (`worker/contact/src/enforce/mod.rs`).

@@ -175,7 +175,11 @@ fn bending(bench: &Bench) -> Result<Vec<CheckRow>, String> {
 }
 
 const SHEARS: &str = "Belytschko-Tsay has no shear projection: the catalogue expects it to fail on \
-                      quads that are not parallelograms [C]";
+                      quads that are not parallelograms [C]. Experiment: parallelograms are exact \
+                      (1e-10). Where the shear modulus of the shells is multiplied by 1e-9, the \
+                      error falls from 171 % (distorted) and 75 % (trapezoids) to less than 3e-5; \
+                      without hourglass stiffness it stays (169 % and 75 %). `stabilised_quad` has \
+                      a projection and is exact on these meshes";
 
 /// Bends a patch by prescribed motion of its rim, which `build` returns, and waits until it is
 /// at rest.

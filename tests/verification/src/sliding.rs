@@ -32,12 +32,11 @@ pub const REVERSAL: Check = Check { name: "reversing load", quick: false, run: r
 
 const MU: f64 = 0.3;
 const CREEP: &str = "in stick, the friction of the penalty law is a spring of its own stiffness";
-pub const FLUTTER: &str = "undamped bending of the block's bricks flutters under friction through \
-                           Poisson's coupling: nodes stick one by one, and the total force is \
-                           below mu N. The block stops on time with hourglass = \"stiffness\" (the \
-                           other rows) or with poisson = 0 (cases/slide: 2.672 ms, theory 2.667 \
-                           ms). Bulk viscosity, the tolerance of the sweeps and half the step do \
-                           not change this";
+const FLUTTER: &str = "undamped bending of the block's bricks flutters under friction through \
+                       Poisson's coupling: nodes stick one by one, and the total force is below mu \
+                       N. The block stops on time with hourglass = \"stiffness\" (the other rows) \
+                       or with poisson = 0 (cases/slide: 2.672 ms, theory 2.667 ms). Bulk \
+                       viscosity, the tolerance of the sweeps and half the step do not change this";
 const PASSES: &str = "the kinematic law creeps where it should stick. The reason is not known; it \
                       is not too few sweeps: ten times as many at a tolerance of 1e-7 change the \
                       creep by 3 %";
