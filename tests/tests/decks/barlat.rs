@@ -58,7 +58,10 @@ fn fields_become_parameters() {
     assert!((0.5 * start.powf(0.2) - 70.0 * start).abs() < 1e-12, "{start}");
     let curve = "*MAT_036\n1,2.7e-6,70.0,0.33,3\n6,1.8,1.3,2.2,21\n0\n\n0,0,0,0,0,0,30\n";
     let model = model_of(&plate(&format!("{curve}{CURVE}")));
-    assert_eq!(parameter(&model, "hardening"), "[[0.0, 0.12], [0.1, 0.2], [0.4, 0.25]]");
+    assert_eq!(
+        parameter(&model, "hardening"),
+        "[[0.0, 0.12], [0.1, 0.2], [0.4, 0.25], [10.0, 1.8499999999999994]]"
+    );
     assert_eq!(parameter(&model, "angle"), "30.0");
 }
 

@@ -16,7 +16,8 @@ fn model(cards: &str) -> Model {
     model_of(&format!("{BASE}{MOVES}{cards}"))
 }
 
-/// beta shares the plastic modulus; curves and tables by rate, and vp, become keys of `j2`.
+/// beta shares the plastic modulus; curves and tables by rate, and vp, become keys of `j2`. Curves
+/// that rise continue with their last slope, others are constant.
 #[test]
 fn hardening_and_rates_of_metals() {
     let mixed = model("*MAT_003\n1,7.85e-6,200.0,0.3,0.25,0.5,0.25\n40.0,5.0,0.2,1.0\n");
@@ -32,12 +33,20 @@ fn hardening_and_rates_of_metals() {
     let by_rate = card(9, 0);
     assert_eq!(
         parameter(&by_rate, "hardening_by_rate"),
-        "[[0.01, 0.0, 0.3], [0.01, 0.2, 0.4], [10.0, 0.0, 0.5], [10.0, 0.1, 0.5], [10.0, 0.2, 0.6]]"
+        "[[0.01, 0.0, 0.3], [0.01, 0.2, 0.4], [0.01, 10.0, 5.300000000000002], [10.0, 0.0, 0.5], \
+         [10.0, 0.1, 0.5], [10.0, 0.2, 0.6], [10.0, 10.0, 10.399999999999999]]"
     );
     assert_eq!(parameter(&by_rate, "viscoplastic"), "");
     let scaled = card(6, 5);
     assert_eq!(parameter(&scaled, "rate_factors"), "[[0.0, 1.0], [1.0, 1.5]]");
-    assert_eq!(parameter(&scaled, "hardening"), "[[0.0, 0.3], [0.2, 0.4]]");
+    assert_eq!(
+        parameter(&scaled, "hardening"),
+        "[[0.0, 0.3], [0.2, 0.4], [10.0, 5.300000000000002]]"
+    );
+    let falling = "*MAT_024\n1,7.85e-6,200.0,0.3\n0.0,0.0,8\n\
+                   *DEFINE_CURVE\n8\n0.0,0.3\n0.2,0.4\n0.3,0.35\n";
+    let rows = "[[0.0, 0.3], [0.2, 0.4], [0.3, 0.35]]";
+    assert_eq!(parameter(&model(falling), "hardening"), rows);
 }
 
 /// Criteria of failure become keys of the material that they name; the excluded value is none.
@@ -64,7 +73,10 @@ fn metals_with_damage_strains_and_anisotropy() {
     let curve = "*DEFINE_CURVE\n6\n0.0,0.3\n0.2,0.4\n";
     let damaged = model(&format!("*MAT_081\n1,7.85e-6,200.0,0.3,,,0.1\n,,6,,0.25\n{curve}"));
     assert_eq!(parameter(&damaged, "softening"), "[0.1, 0.25]");
-    assert_eq!(parameter(&damaged, "hardening"), "[[0.0, 0.3], [0.2, 0.4]]");
+    assert_eq!(
+        parameter(&damaged, "hardening"),
+        "[[0.0, 0.3], [0.2, 0.4], [10.0, 5.300000000000002]]"
+    );
     let intact = model("*MAT_PLASTICITY_WITH_DAMAGE\n1,7.85e-6,200.0,0.3,0.25,0.5\n");
     assert_eq!(parameter(&intact, "softening"), "");
     // The base has a part of solids with this material, too; strains of failure are for shells.
@@ -539,7 +551,7 @@ fn a_hydrodynamic_metal_has_the_shear_modulus_of_its_card() {
     }
     let curve = shear("*MAT_010_SPALL\n7,8.93e-6,46.0\n,,2.0\n0.0,0.1\n\n0.3,0.4\n\n");
     let hardening = curve.get("hardening").map(|value| value.to_string());
-    assert_eq!(hardening.as_deref(), Some("[[0.0, 0.3], [0.1, 0.4]]"));
+    assert_eq!(hardening.as_deref(), Some("[[0.0, 0.3], [0.1, 0.4], [10.0, 10.300000000000002]]"));
     assert!(!curve.contains_key("eos_min_pressure"));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");

@@ -1,7 +1,7 @@
 //! Converts `*MAT_3-PARAMETER_BARLAT` (LS-DYNA Keyword User's Manual, vol. II, material 36).
 
 use super::DeckConverter;
-use super::materials::{rows, starting_at_zero};
+use super::materials::{hardening_curve, rows};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 
@@ -37,7 +37,7 @@ impl DeckConverter {
                     self.unsupported_value(record, "lcid", "a table over the strain rate");
                 } else if let Some(curve) = self.curve(id, place) {
                     let place = curve.lines.first().copied().unwrap_or(place);
-                    table.put("hardening", place, rows(&starting_at_zero(curve.points)));
+                    table.put("hardening", place, rows(&hardening_curve(curve.points)));
                 }
             }
             _ => self.unsupported_value(record, "hr", "use 1, 2 or 3"),

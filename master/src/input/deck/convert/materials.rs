@@ -4,6 +4,7 @@ use super::DeckConverter;
 use super::cohesive::{self, CohesiveIntegration};
 use super::tree::JobTable;
 use super::{composites, metals, soft_materials};
+use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use std::collections::HashMap;
@@ -278,7 +279,7 @@ impl DeckConverter {
             }
             let place = record.place("lcss");
             if let Some(curve) = self.curve(lcss, place) {
-                let points = starting_at_zero(curve.points);
+                let points = hardening_curve(curve.points);
                 table.put(
                     "hardening",
                     curve.lines.first().copied().unwrap_or(place),
@@ -310,7 +311,7 @@ impl DeckConverter {
             table.put("yield_stress", record.place("sigy"), record.real("sigy"));
             self.hardening_modulus(record, record.real("e"), record.real("etan"), table);
         } else {
-            table.put("hardening", record.place("es"), rows(&starting_at_zero(points)));
+            table.put("hardening", record.place("es"), rows(&hardening_curve(points)));
         }
     }
 
@@ -324,7 +325,7 @@ impl DeckConverter {
         }
         let mut all: Vec<Vec<f64>> = Vec::new();
         for curve in rows.chunk_by(|a, b| a[0] == b[0]) {
-            let points = starting_at_zero(curve.iter().map(|row| [row[1], row[2]]).collect());
+            let points = hardening_curve(curve.iter().map(|row| [row[1], row[2]]).collect());
             all.extend(points.iter().map(|p| vec![curve[0][0], p[0], p[1]]));
         }
         table.put("hardening_by_rate", place, all);
@@ -473,7 +474,7 @@ fn hydro(record: &CardRecord, table: &mut JobTable) -> f64 {
         table.put("yield_stress", record.place("sigy"), record.real("sigy"));
         table.put("hardening_modulus", record.place("eh"), record.real("eh"));
     } else {
-        table.put("hardening", record.place("es"), rows(&starting_at_zero(points)));
+        table.put("hardening", record.place("es"), rows(&hardening_curve(points)));
     }
     if record.real("fs") > 0.0 {
         table.put("failure_strain", record.place("fs"), record.real("fs"));
@@ -510,12 +511,22 @@ pub(super) fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
     points.iter().map(|p| p.to_vec()).collect()
 }
 
-/// Returns the points from plastic strain zero on. A table that begins later is constant before.
-pub(super) fn starting_at_zero(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+/// Returns a hardening curve as the format means it, from plastic strain zero on: constant before
+/// its first point, continued with its last slope beyond its last one. A curve that falls stays
+/// constant there, since the yield stress is positive.
+pub(super) fn hardening_curve(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if let Some(&[first, stress]) = points.first()
         && first > 0.0
     {
         points.insert(0, [0.0, stress]);
+    }
+    if let [.., [before, lower], [last, stress]] = points[..]
+        && before < last
+        && last < BEYOND_ALL_STRAINS
+        && lower < stress
+    {
+        let slope = (stress - lower) / (last - before);
+        points.push([BEYOND_ALL_STRAINS, stress + slope * (BEYOND_ALL_STRAINS - last)]);
     }
     points
 }

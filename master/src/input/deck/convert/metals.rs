@@ -2,7 +2,7 @@
 //! Johnson-Cook without temperature.
 
 use super::DeckConverter;
-use super::materials::{rows, starting_at_zero};
+use super::materials::{hardening_curve, rows};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 
@@ -118,7 +118,7 @@ impl DeckConverter {
             self.hardening_modulus(record, record.real("e"), record.real("etan"), table);
         } else if let Some(curve) = self.curve(curve, place) {
             let place = curve.lines.first().copied().unwrap_or(place);
-            table.put("hardening", place, rows(&starting_at_zero(curve.points)));
+            table.put("hardening", place, rows(&hardening_curve(curve.points)));
         }
         for (field, why) in [
             ("idy", "a Young's modulus that falls with the plastic strain"),

@@ -3,6 +3,7 @@
 
 use super::{Blank, CardValue, DeckWriter, Id, Number, line, named, points};
 use super::{barlat, cohesive, composites, damage, metals, soft_materials, writer::LeftReason};
+use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::job::Model;
 use crumple_proto::job::Part;
 use crumple_proto::partition::{Material, Param};
@@ -179,16 +180,41 @@ pub fn write<'m>(
     let mut equations = BTreeMap::new();
     for (material, mid) in model.settings.materials.iter().zip(1..).filter(|(m, _)| deforms(m)) {
         let part = model.settings.parts.iter().find(|p| p.material == material.name);
-        let cards = MaterialCards { material, mid, turned, part };
+        let written = constant_beyond_last_points(material);
+        let cards = MaterialCards { material: &written, mid, turned, part };
         let mut read = law(deck, &cards);
         erosion(deck, &cards, &mut read);
         damage::gissmo(deck, &cards, &mut read);
         if ["johnson_cook", FLUID].contains(&&*material.law) && of_solids(material) {
             equations.extend(equation(deck, &cards, &mut read).map(|id| (&*material.name, id)));
         }
-        account(deck, material, &read);
+        account(deck, &written, &read);
     }
     equations
+}
+
+/// Returns a material whose hardening curves have one more point each. Without it a reader
+/// continues them with their last slope.
+fn constant_beyond_last_points(material: &Material) -> Material {
+    let mut written = material.clone();
+    for key in ["hardening", "hardening_by_rate"] {
+        let Some(Param::Table(rows)) = written.parameters.get_mut(key) else { continue };
+        let is_of_rate = key == "hardening_by_rate";
+        let mut all: Vec<Vec<f64>> = Vec::new();
+        for curve in rows.chunk_by(|a, b| !is_of_rate || a[0] == b[0]) {
+            all.extend_from_slice(curve);
+            if let [.., before, last] = curve
+                && before.last() != last.last()
+                && last[last.len() - 2] < BEYOND_ALL_STRAINS
+            {
+                let mut beyond = last.clone();
+                beyond[last.len() - 2] = BEYOND_ALL_STRAINS;
+                all.push(beyond);
+            }
+        }
+        *rows = all;
+    }
+    written
 }
 
 /// Writes the card of a law and returns what a reader has by it.
