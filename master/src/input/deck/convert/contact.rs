@@ -180,6 +180,7 @@ impl DeckConverter {
         let kind = record.row.keyword.name.replace("CONTACT_", "");
         let said = ["AUTOMATIC_", "ERODING_"].iter().fold(kind, |n, w| n.replace(w, ""));
         let used = match single {
+            true if table.has("parts") => "every part of its set with every other and itself",
             true => "every part with every other and itself",
             false => "the parts of one side with those of the other, in both directions",
         };
