@@ -127,8 +127,8 @@ struct Converged<'a> {
     peak: f64,
     /// Energy that the head has lost at each station [J].
     absorbed: &'a [f64],
-    /// See [`Crushed::folds`].
-    folds: usize,
+    /// Expected number of folds (see [`Crushed::folds`]), and its source.
+    folds: (f64, &'static str),
 }
 
 /// Results of a crushed tube.
@@ -304,9 +304,9 @@ impl Crushed {
                 CONVERGED,
             ),
             kilo("folds along a face".into(), "", self.folds as f64).within(
-                converged.folds as f64,
+                converged.folds.0,
                 1.0,
-                CONVERGED,
+                converged.folds.1,
             ),
         ];
         for ((at, ours), wanted) in self.stations.iter().zip(&self.absorbed).zip(converged.absorbed)
@@ -370,7 +370,7 @@ fn square(bench: &Bench) -> Result<Vec<CheckRow>, String> {
         mean: 27.39e3,
         peak: 100.73e3,
         absorbed: &[919.0, 1729.0, 2256.0, 2946.0, 3489.0, 4108.0],
-        folds: 8,
+        folds: (8.0, CONVERGED),
     };
     let section = square_section(0.06, 5e-4);
     let coarse = Tube {
@@ -439,13 +439,13 @@ fn mean_force(bench: &Bench) -> Result<Vec<CheckRow>, String> {
         mean: 13.26e3,
         peak: 34.29e3,
         absorbed: &[461.0, 840.0, 1217.0, 1591.0],
-        folds: 10,
+        folds: (10.0, CONVERGED),
     };
     let converged_49 = Converged {
         mean: 25.65e3,
         peak: 96.58e3,
         absorbed: &[1242.0, 2182.0, 3156.0, 4094.0],
-        folds: 9,
+        folds: (9.0, CONVERGED),
     };
     for (side, thickness, length, trigger, expected, converged) in [
         (0.03707, 1.152e-3, 0.2, [0.006, 0.029], 16.5e3, converged_37),
@@ -505,7 +505,11 @@ fn round(bench: &Bench) -> Result<Vec<CheckRow>, String> {
         mean: 13.46e3,
         peak: 20.29e3,
         absorbed: &[163.0, 347.0, 507.0, 673.0],
-        folds: 11,
+        // 11 on the converged mesh.
+        folds: (
+            9.5,
+            "[D] 50 mm/0.78 over H = 1.347 (R t)^(1/2) (Alexander 1960), which has one extreme",
+        ),
     };
     let mut all = Vec::new();
     for shell in shells() {
