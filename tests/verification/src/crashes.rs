@@ -15,6 +15,7 @@ use super::row::CheckRow;
 use super::scene::Scene;
 use super::{Bench, Check, bench};
 use crumple::input::job::Model;
+use crumple_cases::jobs;
 use crumple_worker::energy::momentum;
 use std::f64::consts::FRAC_PI_4;
 use std::ops::ControlFlow;
@@ -271,7 +272,7 @@ fn s_beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
 }
 
 fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
-    const JOB: &str = include_str!("../../../cases/tube/job.toml");
+    const JOB: &str = jobs::TUBE;
     let crash =
         Crash { axis: 2, window: 0.1, stations: &[0.5, 1.0, 1.5, 2.0], to_kn: 1.0, to_ms: 1.0 };
     let meshes = [
@@ -297,7 +298,7 @@ fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
 }
 
 fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<CheckRow>, String> {
-    const JOB: &str = include_str!("../../../cases/jeep-frame/job.toml");
+    const JOB: &str = jobs::JEEP_FRAME;
     const PARTS: u32 = 8;
     let crash =
         Crash { axis: 0, window: 0.25, stations: &[2.5, 5.0, 7.5, 10.0], to_kn: 1.0, to_ms: 1.0 };

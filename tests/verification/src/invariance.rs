@@ -8,6 +8,7 @@ use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
 use crumple::run::embedded::run_side_by_side;
+use crumple_cases::jobs::{BARS, SLIDE, TUMBLE};
 use crumple_worker::energy::momentum;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -37,9 +38,6 @@ const GAINS: &str = "at this step nearly all of the loss is in contacts of a few
                      (standard deviation), so that one of them is within 0.5 % by chance only; \
                      their mean is +1.1 % (standard error 0.6 %), at half the step +1.6 % \
                      (0.3 %), at a quarter +1.4 % (0.5 %)";
-const TUMBLE: &str = include_str!("../../../cases/tumble/job.toml");
-const SLIDE: &str = include_str!("../../../cases/slide/job.toml");
-const BARS: &str = include_str!("../../../cases/bars/job.toml");
 
 fn conservation(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();
