@@ -45,7 +45,7 @@ mod tiebreaks;
 mod ties;
 mod transformation;
 pub mod tree;
-mod units;
+pub(in crate::input::deck) mod units;
 mod unused;
 mod walls;
 mod welds;
