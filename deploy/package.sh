@@ -46,13 +46,21 @@ for shell in bash zsh fish; do
     "$dist/$binary" completions "$shell" >"$dist/completions/crumple.$shell"
 done
 
-# Its own environment, so that the build needs nothing of this machine's Python.
+# Its own environment, so that the build needs nothing of this machine's Python. Zig links against
+# an older C library than that of this machine, so that the wheel is good for all systems with the
+# one that its name states; maturin checks this.
 python=$(mktemp -d)
 trap 'rm -rf "$python"' EXIT
 python3 -m venv "$python"
-RUSTFLAGS=$cpu "$python/bin/python" -m pip wheel --quiet --no-deps --wheel-dir "$dist" \
-    --config-settings build-args="--profile $profile" .
-"$python/bin/python" -m pip install --quiet "$dist"/crumple-*.whl
+"$python/bin/python" -m pip install --quiet 'maturin>=1.7,<2' ziglang
+RUSTFLAGS=$cpu PATH=$python/bin:$PATH "$python/bin/maturin" build --quiet --zig --locked \
+    --target "$target" --compatibility manylinux_2_28 --profile "$profile" --out "$dist"
+wheels=("$dist"/crumple-*-manylinux_2_28_x86_64.whl)
+if [[ ! -f ${wheels[0]} ]]; then
+    echo "package: ERROR: the wheel has no tag of manylinux" >&2
+    exit 1
+fi
+"$python/bin/python" -m pip install --quiet "${wheels[0]}"
 "$python/bin/python" -c '
 import crumple
 from importlib.metadata import version

@@ -4,6 +4,7 @@
 //! generator. A new generator is one such file and one row of [`GENERATORS`].
 
 mod builder;
+pub mod jobs;
 mod options;
 
 #[path = "../airbag/mesh.rs"]
@@ -56,12 +57,12 @@ use crumple_proto::problem::Problem;
 
 /// Jobs that the program has in itself, by name: `crumple init`. Their meshes come from generators.
 pub const EXAMPLES: [(&str, &str); 6] = [
-    ("bars", include_str!("../bars/job.toml")),
-    ("tube", include_str!("../tube/job.toml")),
-    ("plate", include_str!("../plate/job.toml")),
-    ("slide", include_str!("../slide/job.toml")),
-    ("block", include_str!("../block/job.toml")),
-    ("jeep-frame", include_str!("../jeep-frame/job.toml")),
+    ("bars", jobs::BARS),
+    ("tube", jobs::TUBE),
+    ("plate", jobs::PLATE),
+    ("slide", jobs::SLIDE),
+    ("block", jobs::BLOCK),
+    ("jeep-frame", jobs::JEEP_FRAME),
 ];
 
 /// An option of a generator: key in `[scene]`, default, meaning with its unit.
@@ -103,9 +104,9 @@ pub const GENERATORS: &[Generator] = &[
 /// Jobs in the program. The name is the path of the file in `cases` without the parts that all
 /// paths have in common.
 const JOBS: &[(&str, &str)] = &[
-    ("bench/hex-bar", include_str!("../bench/hex-bar.toml")),
-    ("jeep-frame", include_str!("../jeep-frame/job.toml")),
-    ("tube-crush", include_str!("../tube-crush/job.toml")),
+    ("bench/hex-bar", jobs::HEX_BAR),
+    ("jeep-frame", jobs::JEEP_FRAME),
+    ("tube-crush", jobs::TUBE_CRUSH),
 ];
 
 /// Returns the text of a job in the program, such as `tube-crush`.

@@ -126,7 +126,7 @@ fn every_scene_is_the_same_as_a_deck() {
 /// A job with every list of the schema, as a deck.
 #[test]
 fn no_list_of_a_job_is_lost() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported/every-list.toml");
+    let path = exported().join("every-list.toml");
     let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
     let deck = export(&model).expect("a deck");
     let again = read_back(&deck.text, &[]);
@@ -156,6 +156,7 @@ fn no_list_of_a_job_is_lost() {
     // A second export: names from a deck must not be mistaken for others.
     let twice = read_back(&export(&again).expect("a deck").text, &[]);
     assert_same(&model, &twice, "exported twice");
+    assert_eq!(entries(&again), entries(&twice), "a second export adds entries");
     expect_test::expect_file!["../../decks/exported/every-list.txt"].assert_eq(&fates);
 }
 
@@ -163,7 +164,7 @@ fn no_list_of_a_job_is_lost() {
 /// defaults, since the motion has the same bits.
 #[test]
 fn every_law_keeps_its_keys() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported/every-law.toml");
+    let path = exported().join("every-law.toml");
     let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
     for law in LAWS.iter() {
         let is_used = |m: &Material| m.law == law.name;
@@ -188,10 +189,15 @@ fn every_law_keeps_its_keys() {
     expect_test::expect_file!["../../decks/exported/every-law.txt"].assert_eq(&left);
 }
 
+/// Returns the folder of the jobs of these tests.
+fn exported() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported")
+}
+
 /// Returns a job of this folder as a deck that is read back, and checks that the models are the
 /// same, also after a second export. Returns the deck and the model by it.
 fn same_as_deck(name: &str, sets: &[String]) -> (ExportedDeck, Model) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported").join(name);
+    let path = exported().join(name);
     let model = read(&path, sets).unwrap_or_else(|report| panic!("{report}"));
     let deck = export(&model).expect("a deck");
     let again = read_back(&deck.text, &[]);
@@ -200,7 +206,15 @@ fn same_as_deck(name: &str, sets: &[String]) -> (ExportedDeck, Model) {
     let twice = read_back(&export(&again).expect("a deck").text, &[]);
     assert_same(&model, &twice, name);
     assert_same_motion(&model, &twice, name);
+    assert_eq!(entries(&again), entries(&twice), "{name}: a second export adds entries");
     (deck, again)
+}
+
+/// Returns the number of entries of each list of a job. Each export writes its own curves.
+fn entries(model: &Model) -> Vec<(String, usize)> {
+    let Value::Object(job) = serde_json::to_value(&model.job).unwrap() else { panic!("a table") };
+    let lists = job.into_iter().filter(|(key, _)| key != "curve");
+    lists.filter_map(|(key, list)| Some((key, list.as_array()?.len()))).collect()
 }
 
 /// Returns how often a deck has a keyword.
@@ -239,7 +253,7 @@ fn ties_have_cards() {
 /// other ties: a reader would merge these.
 #[test]
 fn ties_with_names_of_cards_are_not_merged() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/exported/ties.toml");
+    let path = exported().join("ties.toml");
     let given = fs::read_to_string(&path).unwrap();
     let last = |name: &str| format!("\nname = \"{name}\"\nnodes = \"upper12\"\n");
     let two = "\n[[tie]]\nname = \"tie 1\"\nnodes = \"upper13\"\nnode = 1207\n";
@@ -265,7 +279,16 @@ fn ties_with_names_of_cards_are_not_merged() {
 /// the start; what is fixed of a body of nodes is on its card.
 #[test]
 fn mass_properties_of_bodies_have_cards() {
-    let (deck, _) = same_as_deck("bodies.toml", &[]);
+    let (deck, again) = same_as_deck("bodies.toml", &[]);
+    // The motion of a body is on its own card, too, for programs that take it from there.
+    let given = read(&exported().join("bodies.toml"), &[]).unwrap_or_else(|r| panic!("{r}"));
+    assert_eq!(again.job.initial_velocity.len(), given.job.initial_velocity.len());
+    // The second deck also has the sets that a reader makes of parts, and the third one no others.
+    let second = export(&again).expect("a deck");
+    let third = export(&read_back(&second.text, &[])).expect("a deck");
+    let sets =
+        |deck: &ExportedDeck| deck.text.lines().filter(|l| l.starts_with("*SET_NODE")).count();
+    assert_eq!((sets(&deck), sets(&second), sets(&third)), (2, 5, 5));
     for (keyword, times) in [
         ("PART_INERTIA", 2),
         ("PART_INERTIA_CONTACT", 1),
@@ -372,4 +395,80 @@ fn each_shape_of_solids_has_its_formulation() {
     // Wedges without averaging have no formulation.
     let left = "part.pressure: no card for 1";
     assert!(deck.left.iter().any(|line| line == left), "{:?}", deck.left);
+}
+
+/// Settings of output and units have cards, with the same values in the job by them. What is not on
+/// cards alone is in the comments.
+#[test]
+fn settings_of_output_and_units_have_cards() {
+    let text = "end_time = 4.0\nunits = \"mm, ms, kg\"\n[time]\nmax_cycles = 8\n\
+                [mesh]\nnodes = [[1, 0.0, 0.0, 0.0], [2, 1.0, 0.0, 0.0], [3, 1.0, 1.0, 0.0], \
+                [4, 0.0, 1.0, 0.0]]\nshells = [[1, 1, 1, 2, 3, 4]]\n\
+                [[material]]\nname = \"steel\"\nlaw = \"elastic\"\ndensity = 7.85e-6\n\
+                youngs_modulus = 207.0\npoisson = 0.3\n\
+                [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n[output]\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("job.toml");
+    let units = |units: &str| text.replace("mm, ms, kg", units);
+    for (given, cards, left) in [
+        (format!("{text}strains = true"), &["*DATABASE_EXTENT_BINARY", "1"][..], &[][..]),
+        (
+            format!("{text}field_interval = -1.0\nfield_times = [0.5, 3.0]"),
+            &["*DATABASE_BINARY_D3PLOT", "1", "3"],
+            &[],
+        ),
+        (
+            format!("{text}field_interval = -1.0\nfield_times = [0.5]"),
+            &["*DEFINE_CURVE", "1", "0.5 0.", "8. 0."],
+            &[],
+        ),
+        // Other programs take all times from the curve.
+        (
+            format!("{text}field_interval = 2.0\nfield_times = [0.5, 2.0]"),
+            &["*DEFINE_CURVE", "1", "0. 0.", "0.5 0.", "2. 0.", "4. 0."],
+            &["output.field_times: no card for 1"],
+        ),
+        (
+            format!("{text}field_interval = -1.0\nfield_times = [3.0, 0.5]"),
+            &[],
+            &["output.field_interval: no card for 1", "output.field_times: no card for 1"],
+        ),
+        (units("in, s, slinch"), &["*CONTROL_UNITS", "in sec slinch"], &[]),
+        (units("mm, s, tonne"), &["*CONTROL_UNITS", "mm sec mtrc_ton"], &[]),
+        (units("kg, m, s"), &[], &["units: no card for 1"]),
+        (units("mm, ms, kg (guessed)"), &[], &["units: no card for 1"]),
+    ] {
+        fs::write(&path, &given).unwrap();
+        let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+        let deck = export(&model).expect("a deck");
+        let lines: Vec<String> = (deck.text.lines())
+            .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
+            .collect();
+        let is_there = lines.windows(cards.len().max(1)).any(|some| some == cards);
+        assert!(cards.is_empty() || is_there, "{cards:?} in {}", deck.text);
+        assert_eq!(deck.left, left, "{given}");
+        assert_same(&model, &read_back(&deck.text, &[]), &given);
+    }
+}
+
+/// Units that a deck states count, also those of blanks; others are named, and units are guessed.
+#[test]
+fn stated_units_of_a_deck_count() {
+    let text = fs::read_to_string(exported().join("solids.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("job.toml");
+    fs::write(&path, text).unwrap();
+    let deck = export(&read(&path, &[]).unwrap_or_else(|report| panic!("{report}"))).unwrap();
+    let card = format!("{:>20}{:>20}{:>20}\n", "mm", "ms", "kg");
+    assert!(deck.text.contains(&card), "{}", deck.text);
+    for (words, units) in [
+        (["CM", "MICRO_S", "G"], "cm, us, g"),
+        (["", "", ""], "m, s, kg"),
+        (["mile", "ms", "kg"], "mm, ms, kg (guessed)"),
+    ] {
+        let [length, time, mass] = words;
+        let stated = format!("{length:>20}{time:>20}{mass:>20}\n");
+        let model = read_back(&deck.text.replace(&card, &stated), &[]);
+        assert_eq!(model.job.units, units);
+    }
 }

@@ -347,3 +347,28 @@ fn welds_of_two_layers_keep_their_shape() {
     let z = |id: u64| model.mesh.nodes.iter().find(|n| n.id.0 == id).unwrap().x[2];
     assert_eq!([100, 110, 120].map(z), [12.0, 12.5, 13.0]);
 }
+
+/// The abscissas of lcdt are times of fields with ioopt 3. Intervals that change, and units that
+/// are not known, are named.
+#[test]
+fn times_of_fields_and_units_are_used_or_named() {
+    let curve = "*DEFINE_CURVE\n7\n0,0.1\n2.5,0.5\n12,1\n";
+    let model = with(&format!(
+        "{curve}*DATABASE_BINARY_D3PLOT\n0.5,7\n1\n*CONTROL_UNITS\nmile,ms,kg\n\
+         *DATABASE_EXTENT_BINARY\n3,0,0,11\n"
+    ));
+    let all = said(&model);
+    for words in ["lcdt 7 is not used", "length mile is not known", "neiph 3"] {
+        assert!(all.contains(words), "{words}: {all}");
+    }
+    let output = &model.job.output;
+    assert_eq!((output.field_interval, &output.field_times[..]), (0.5, &[][..]));
+    assert!(output.strains && model.job.units == "mm, ms, kg (guessed)");
+    for (card, interval) in [(",7", -1.0), ("0.5,7", 0.5)] {
+        let model = with(&format!("{curve}*DATABASE_BINARY_D3PLOT\n{card}\n3\n"));
+        let output = &model.job.output;
+        assert_eq!((output.field_interval, &output.field_times[..]), (interval, &[0.0, 2.5][..]));
+    }
+    let model = with("*CONTROL_UNITS\nmm,ms,kg\n");
+    assert_eq!(model.job.units, "mm, ms, kg");
+}

@@ -24,6 +24,7 @@ mod materials;
 mod mesh_details;
 mod mesh_files;
 mod models;
+mod nastran_sets;
 mod odd_files;
 mod particles;
 mod radioss;

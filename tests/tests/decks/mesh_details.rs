@@ -8,7 +8,7 @@ use crumple_tests::program::{crumple_with, root, run};
 use std::fs;
 use std::path::PathBuf;
 
-fn text_of(file: &str) -> String {
+pub fn text_of(file: &str) -> String {
     fs::read_to_string(root().join("tests/meshes").join(file)).unwrap()
 }
 
@@ -20,7 +20,7 @@ fn read_text(name: &str, text: &[u8], allowed: bool) -> Result<ReadMesh, Vec<Pro
     read(&path, allowed, None)
 }
 
-fn good(name: &str, text: &str) -> ReadMesh {
+pub fn good(name: &str, text: &str) -> ReadMesh {
     let found = read_text(name, text.as_bytes(), false);
     found.unwrap_or_else(|problems| panic!("{problems:?}\n{text}"))
 }
@@ -39,19 +39,19 @@ fn errors(name: &str, text: &str) -> Vec<String> {
 }
 
 /// Asserts that the first error has these words.
-fn refused(name: &str, text: &str, wanted: &str) {
+pub fn refused(name: &str, text: &str, wanted: &str) {
     let found = errors(name, text);
     assert!(found[0].contains(wanted), "`{wanted}` is not in {found:?}\n{text}");
 }
 
 /// Returns a text with one change that has to be possible.
-fn changed(text: &str, old: &str, new: &str) -> String {
+pub fn changed(text: &str, old: &str, new: &str) -> String {
     assert!(text.contains(old), "{old} is not in {text}");
     text.replacen(old, new, 1)
 }
 
 /// Returns fate and count of a row of the table.
-fn row(read: &ReadMesh, what: &str) -> Option<(Fate, usize)> {
+pub fn row(read: &ReadMesh, what: &str) -> Option<(Fate, usize)> {
     read.rows.iter().find(|row| row.what == what).map(|row| (row.fate, row.count))
 }
 

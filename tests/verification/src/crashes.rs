@@ -15,6 +15,7 @@ use super::row::CheckRow;
 use super::scene::Scene;
 use super::{Bench, Check, bench};
 use crumple::input::job::Model;
+use crumple_cases::jobs;
 use crumple_worker::energy::momentum;
 use std::f64::consts::FRAC_PI_4;
 use std::ops::ControlFlow;
@@ -273,8 +274,6 @@ fn s_beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     )
 }
 
-const TUBE: &str = include_str!("../../../cases/tube/job.toml");
-
 fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let crash =
         Crash { axis: 2, window: 0.1, stations: &[0.5, 1.0, 1.5, 2.0], to_kn: 1.0, to_ms: 1.0 };
@@ -295,7 +294,7 @@ fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
                 format!("scene.elements={n}"),
                 "end_time=2.01".into(),
             ];
-            bench.model_of(&format!("B19 {shell} {n}"), TUBE.into(), &sets)
+            bench.model_of(&format!("B19 {shell} {n}"), jobs::TUBE.into(), &sets)
         },
     )
 }
@@ -320,7 +319,7 @@ fn coefficients(bench: &Bench) -> Result<Vec<CheckRow>, String> {
             } else if hourglass > 0.0 {
                 continue; // it has none
             }
-            let model = bench.model_of(&format!("B19 {variant}"), TUBE.into(), &sets)?;
+            let model = bench.model_of(&format!("B19 {variant}"), jobs::TUBE.into(), &sets)?;
             let (shown, rows) = crash.run(&variant, &model)?;
             all.push(CheckRow::new("mean force up to 2 ms", &variant, "kN", shown.mean));
             // Hourglass energy at the largest coefficients is what they are chosen for.
@@ -333,7 +332,7 @@ fn coefficients(bench: &Bench) -> Result<Vec<CheckRow>, String> {
 }
 
 fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<CheckRow>, String> {
-    const JOB: &str = include_str!("../../../cases/jeep-frame/job.toml");
+    const JOB: &str = jobs::JEEP_FRAME;
     const PARTS: u32 = 8;
     let crash =
         Crash { axis: 0, window: 0.25, stations: &[2.5, 5.0, 7.5, 10.0], to_kn: 1.0, to_ms: 1.0 };

@@ -8,6 +8,7 @@ use super::scene::{STEEL, Scene};
 use super::solid_bars::INVISCID;
 use super::{Bench, Check};
 use crumple::run::embedded::run_side_by_side;
+use crumple_cases::jobs::{BARS, SLIDE, TUMBLE};
 use crumple_worker::energy::momentum;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -45,9 +46,6 @@ const RETURNS: &str = "in stick, the friction of the penalty law is a spring, wh
                        a quarter and half of the tangential stiffness the run returns 3.2e-5 and \
                        1.5e-5. At two thirds of the step it returns 1.7e-6, with four times the \
                        tangential stiffness nothing";
-const TUMBLE: &str = include_str!("../../../cases/tumble/job.toml");
-const SLIDE: &str = include_str!("../../../cases/slide/job.toml");
-const BARS: &str = include_str!("../../../cases/bars/job.toml");
 
 fn conservation(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     let mut all = Vec::new();

@@ -36,7 +36,9 @@ mod writer;
 pub(in crate::input::deck) use rest::{differing, list};
 pub(in crate::input::deck) use writer::{DeckWriter, line, named, table_of, value_of};
 
+use crate::input::deck::convert::units::stated;
 use crate::input::job::{Model, Report};
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
 use curves::TimeCurves;
 use std::collections::BTreeMap;
@@ -116,34 +118,80 @@ fn control(deck: &mut DeckWriter, job: &Job) {
         deck.keyword("DAMPING_GLOBAL");
         deck.card(&[Blank, Number(job.time.damping)]);
     }
+    if let Some(words) = stated(&job.units) {
+        deck.keyword("CONTROL_UNITS");
+        deck.words(&words);
+    }
     let output = &job.output;
     if output.history_interval > 0.0 {
         deck.keyword("DATABASE_GLSTAT");
         deck.card(&[Number(output.history_interval)]);
     }
-    if output.field_interval > 0.0 {
+    let times = rest::times_of_fields(job);
+    if output.field_interval > 0.0 || times.is_some() {
+        let curve = times.map(|times| {
+            // Curves need two points; fields end with the run.
+            let after = Some(2.0 * job.end_time).filter(|_| times.len() < 2);
+            let pairs: Vec<[f64; 2]> = times.into_iter().chain(after).map(|t| [t, 0.0]).collect();
+            points(deck, &pairs)
+        });
         deck.keyword("DATABASE_BINARY_D3PLOT");
-        deck.card(&[Number(output.field_interval)]);
+        let interval = Some(output.field_interval).filter(|&dt| dt > 0.0);
+        deck.card(&[interval.map_or(Blank, Number), curve.map_or(Blank, Id)]);
+        if curve.is_some() {
+            deck.card(&[Id(3)]);
+        }
+    }
+    if output.strains {
+        deck.keyword("DATABASE_EXTENT_BINARY");
+        deck.card(&[Blank, Blank, Blank, Id(1)]);
     }
 }
 
-/// Writes all sets, and returns their ids by name.
+/// Writes all sets, and returns their ids by name. A reader names a set by its id, and once more by
+/// its title: both names have one card, so that sets do not become more with each export.
 fn node_sets<'m>(deck: &mut DeckWriter, model: &'m Model) -> BTreeMap<&'m str, u64> {
+    let all = &model.mesh.node_sets;
+    let number = |name: &str| {
+        let number = u64::from(name.strip_prefix("set-")?.parse::<u32>().ok()?);
+        (number > 0 && format!("set-{number}") == name).then_some(number)
+    };
+    let mut titles: BTreeMap<&[NodeId], Vec<&str>> = BTreeMap::new();
+    for (name, nodes) in all.iter().rev().filter(|(name, _)| number(name).is_none()) {
+        titles.entry(nodes).or_default().push(name);
+    }
     let mut ids = BTreeMap::new();
-    for (name, nodes) in &model.mesh.node_sets {
-        deck.node_sets += 1;
-        let id = deck.node_sets;
-        deck.keyword("SET_NODE_LIST_TITLE");
-        deck.text(&line(name));
-        deck.card(&[Id(id)]);
-        let there = |n: &&crumple_proto::ids::NodeId| {
-            model.mesh.nodes.binary_search_by_key(*n, |m| m.id).is_ok()
-        };
-        let nodes: Vec<CardValue> = nodes.iter().filter(there).map(|n| Id(n.label())).collect();
-        nodes.chunks(8).for_each(|eight| deck.card(eight));
-        ids.insert(name.as_str(), id);
+    for (name, nodes) in all {
+        let Some(id) = number(name) else { continue };
+        let title = titles.get_mut(nodes.as_slice()).and_then(Vec::pop);
+        node_set(deck, model, (id, title), nodes);
+        ids.extend(title.into_iter().chain([name.as_str()]).map(|name| (name, id)));
+    }
+    for (name, nodes) in all {
+        if !ids.contains_key(name.as_str()) {
+            deck.node_sets += 1;
+            ids.insert(name, deck.node_sets);
+            node_set(deck, model, (deck.node_sets, Some(name)), nodes);
+        }
     }
     ids
+}
+
+/// Writes a set with its id and title.
+fn node_set(
+    deck: &mut DeckWriter,
+    model: &Model,
+    (id, title): (u64, Option<&str>),
+    nodes: &[NodeId],
+) {
+    deck.keyword(if title.is_some() { "SET_NODE_LIST_TITLE" } else { "SET_NODE_LIST" });
+    title.iter().for_each(|title| deck.text(&line(title)));
+    deck.card(&[Id(id)]);
+    let there = |n: &&NodeId| model.mesh.nodes.binary_search_by_key(*n, |m| m.id).is_ok();
+    let nodes: Vec<u64> = nodes.iter().filter(there).map(|n| n.label()).collect();
+    let fields: Vec<CardValue> = nodes.iter().map(|&n| Id(n)).collect();
+    fields.chunks(8).for_each(|eight| deck.card(eight));
+    deck.sets_of_nodes.insert(nodes, id);
 }
 
 /// Runs `crumple export-deck` and returns the exit code.

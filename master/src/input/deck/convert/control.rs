@@ -72,6 +72,13 @@ impl DeckConverter {
             } else if dt > 0.0 {
                 self.tree.set_in("output", "field_interval", record.place("dt"), dt);
             }
+            self.field_times(&record, dt > 0.0 || count > 0);
+        }
+        for record in self.take_one("DATABASE_EXTENT_BINARY") {
+            // The last digit is for the strains, others are for rates and plastic strains.
+            if record.integer("strflg") % 10 == 1 {
+                self.tree.set_in("output", "strains", record.place("strflg"), true);
+            }
         }
         for record in self.take_one("DAMPING_GLOBAL") {
             if record.integer("lcid") != 0 {
@@ -79,6 +86,29 @@ impl DeckConverter {
             }
             let damping = record.real("valdmp") * self.damping_factor(&record);
             self.tree.set_in("time", "damping", record.place("valdmp"), damping);
+        }
+    }
+
+    /// Converts the curve of the intervals of fields, if its abscissas are their times.
+    fn field_times(&mut self, record: &CardRecord, has_interval: bool) {
+        let (id, place) = (record.integer("lcdt"), record.place("lcdt"));
+        let form = record.integer("ioopt");
+        if id == 0 {
+            return;
+        }
+        if form != 3 {
+            let message = format!("{}: lcdt {id} is not used", record.name());
+            let help = "the interval of fields is constant: give dt, or ioopt 3 for the times \
+                        themselves";
+            return self.trouble.warning(place, message, help);
+        }
+        let Some(curve) = self.curve(id, place) else { return };
+        let end = self.end_time;
+        let times: Vec<f64> = curve.points.iter().map(|point| point[0]).collect();
+        let times: Vec<f64> = times.into_iter().filter(|t| (0.0..=end).contains(t)).collect();
+        self.tree.set_in("output", "field_times", place, times);
+        if !has_interval {
+            self.tree.set_in("output", "field_interval", place, -1.0);
         }
     }
 
@@ -123,7 +153,7 @@ impl DeckConverter {
 
     /// Returns the records of a keyword that a deck needs once. Warns if there are more; the last
     /// one counts.
-    fn take_one(&mut self, name: &str) -> Vec<CardRecord> {
+    pub(super) fn take_one(&mut self, name: &str) -> Vec<CardRecord> {
         let records = self.take_records(name);
         if let [_, .., last] = &records[..] {
             let message = format!("*{name} occurs {} times: the last one counts", records.len());

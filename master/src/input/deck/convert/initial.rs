@@ -2,19 +2,43 @@
 
 use super::DeckConverter;
 use super::sets::id;
-use super::space::cosines;
+use super::space::{cosines, cross};
 use super::tree::JobTable;
 use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{MeshElement, Shape};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// Bits of a velocity, to find equal ones.
 type Bits = [u64; 3];
 
+/// An initial velocity of the job.
+pub struct DeckVelocity {
+    entry: JobTable,
+    /// Its set of nodes; `None` for all nodes.
+    set: Option<String>,
+    velocity: [f64; 3],
+    /// Rotational velocity and centre.
+    spin: ([f64; 3], [f64; 3]),
+}
+
+impl DeckVelocity {
+    /// Returns the velocity at a point.
+    fn at(&self, x: [f64; 3]) -> [f64; 3] {
+        let (spin, centre) = self.spin;
+        let turned = cross(spin, [0, 1, 2].map(|c| x[c] - centre[c]));
+        [0, 1, 2].map(|c| self.velocity[c] + turned[c])
+    }
+}
+
+/// Largest difference of two motions that is round-off, as a fraction of the velocity.
+const SAME_MOTION: f64 = 1e-9;
+
 impl DeckConverter {
+    /// Converts initial velocities. Those of the cards of bodies come first.
     pub(super) fn initial_velocities(&mut self) {
+        let of_bodies = self.velocities.len();
         for record in self.take_records("INITIAL_VELOCITY") {
             self.of_set(&record);
         }
@@ -51,6 +75,36 @@ impl DeckConverter {
                 self.initial(line.place, Some(set), v, spin);
             }
         }
+        let all = std::mem::take(&mut self.velocities);
+        let is_new: Vec<bool> = (0..all.len())
+            .map(|at| at >= of_bodies || !self.is_repeated(&all[at], &all[at + 1..]))
+            .collect();
+        for (velocity, _) in all.into_iter().zip(is_new).filter(|(_, is_new)| *is_new) {
+            self.add("initial_velocity", velocity.entry);
+        }
+    }
+
+    /// Returns true if a later velocity gives all nodes of a body the same motion: an exported deck
+    /// has it on two cards.
+    fn is_repeated(&self, body: &DeckVelocity, later: &[DeckVelocity]) -> bool {
+        let of = |velocity: &DeckVelocity| {
+            let name = velocity.set.as_deref()?;
+            let by_id = || self.node_sets.get(&name.strip_prefix("set-")?.parse().ok()?);
+            self.rows.set(name).or_else(|| Some(by_id()?.0.as_slice()))
+        };
+        let own = of(body).unwrap_or_default();
+        let is_given = |other: &&DeckVelocity| {
+            let Some(nodes) = of(other) else { return other.set.is_none() };
+            let nodes: HashSet<&NodeId> = nodes.iter().collect();
+            own.iter().all(|node| nodes.contains(node))
+        };
+        let Some(other) = later.iter().rfind(is_given) else { return false };
+        let (spin, centre) = body.spin;
+        let differs = |a: [f64; 3], b: [f64; 3]| {
+            let size = a.iter().chain(&b).fold(0.0, |max: f64, v| max.max(v.abs()));
+            a.iter().zip(b).any(|(a, b)| (a - b).abs() > SAME_MOTION * size)
+        };
+        !differs(spin, other.spin.0) && !differs(body.velocity, other.at(centre))
     }
 
     fn of_set(&mut self, record: &CardRecord) {
@@ -150,6 +204,7 @@ impl DeckConverter {
         self.initial(place, set, v, spin);
     }
 
+    /// Adds an initial velocity for [`DeckConverter::initial_velocities`].
     pub(super) fn initial(
         &mut self,
         place: Place,
@@ -158,14 +213,15 @@ impl DeckConverter {
         spin: Option<([f64; 3], [f64; 3])>,
     ) {
         let mut table = JobTable::new(place).with("velocity", place, v);
-        if let Some(set) = set {
-            table.put("nodes", place, set);
+        if let Some(set) = &set {
+            table.put("nodes", place, set.clone());
         }
         if let Some((spin, centre)) = spin {
             table.put("spin", place, spin);
             table.put("centre", place, centre);
         }
-        self.add("initial_velocity", table);
+        let spin = spin.unwrap_or_default();
+        self.velocities.push(DeckVelocity { entry: table, set, velocity: v, spin });
     }
 
     fn velocity(&mut self, line: &CardLine, names: [&str; 3], system: &str) -> [f64; 3] {

@@ -471,6 +471,11 @@ impl Rows {
         own
     }
 
+    /// Returns the nodes of the set with this name.
+    pub fn set(&self, name: &str) -> Option<&[NodeId]> {
+        self.sets.get(name).map(|(nodes, _)| nodes.as_slice())
+    }
+
     /// Returns true if there is a set of this name.
     pub fn has_set(&self, name: &str) -> bool {
         self.sets.contains_key(name)

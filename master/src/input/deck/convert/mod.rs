@@ -45,7 +45,7 @@ mod tiebreaks;
 mod ties;
 mod transformation;
 pub mod tree;
-mod units;
+pub(in crate::input::deck) mod units;
 mod unused;
 mod walls;
 mod welds;
@@ -126,6 +126,8 @@ pub struct DeckConverter {
     bodies: BTreeMap<i64, String>,
     /// Names of rigid bodies by node, for joints.
     node_bodies: HashMap<NodeId, String>,
+    /// Initial velocities so far.
+    velocities: Vec<initial::DeckVelocity>,
     end_time: f64,
     /// Parts of shells by the null material that makes them a skin.
     skins: BTreeMap<i64, i64>,
@@ -268,6 +270,7 @@ impl DeckConverter {
             broken_contacts: Vec::new(),
             bodies: BTreeMap::new(),
             node_bodies: HashMap::new(),
+            velocities: Vec::new(),
             end_time: 0.0,
             skins: BTreeMap::new(),
             eroding: None,

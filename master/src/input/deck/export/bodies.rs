@@ -234,8 +234,10 @@ fn join(
         let nodes = match &body.nodes {
             Some(own) if !added.is_empty() => {
                 let own = model.mesh.node_sets.get(own).map_or(&[][..], Vec::as_slice);
-                let own = own.iter().map(|node| node.label());
-                Id(deck.node_set(&own.chain(added.iter().copied()).collect::<Vec<_>>()))
+                let mut all: Vec<u64> = own.iter().map(|node| node.label()).collect();
+                // A job by an exported deck has these nodes in its set.
+                all.extend(added.iter().filter(|&node| !own.iter().any(|n| n.label() == *node)));
+                Id(deck.node_set(&all))
             }
             _ => nodes.unwrap_or(Blank),
         };

@@ -1,6 +1,7 @@
 //! Writes what has no card after `$crumple:`, and counts it.
 
 use super::{DeckWriter, LeftReason, TimeCurves, table_of};
+use crate::input::deck::convert::units::stated;
 use crumple_proto::job::{Checkpoint, Elements, Job, Output, Parallel, Restart, Time};
 use serde::Serialize;
 use toml::{Table, Value};
@@ -8,21 +9,30 @@ use toml::{Table, Value};
 /// Lists of `[output]` that cards hold.
 const HISTORIES: [&str; 3] = ["node", "section", "transducer"];
 
+/// Interval of fields that a reader gives a job with times alone.
+const ONLY_TIMES: f64 = -1.0;
+/// Largest number of times of fields by their interval on a curve.
+const MOST_TIMES: f64 = 2000.0;
+
 /// Writes the settings without cards, if they are not the defaults, and lists that are never
 /// written as cards.
 pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
-    if !job.units.is_empty() {
+    if !job.units.is_empty() && stated(&job.units).is_none() {
         deck.note("units", LeftReason::NoCard, 1);
         deck.rest.insert("units".into(), job.units.clone().into());
     }
     let carried = ["safety", "max_cycles", "dt_min_ratio", "mass_scaling_dt", "damping", "dt_max"];
     differing(deck, "time", &job.time, &Time::default(), &carried);
     // Cards allow only intervals above zero.
-    let intervals = [
-        ("history_interval", job.output.history_interval),
-        ("field_interval", job.output.field_interval),
+    let output = &job.output;
+    let only_times = output.field_interval == ONLY_TIMES && times_of_fields(job).is_some();
+    let is_carried = [
+        ("history_interval", output.history_interval > 0.0),
+        ("field_interval", output.field_interval > 0.0 || only_times),
+        ("field_times", only_times),
+        ("strains", true),
     ];
-    let carried = intervals.into_iter().filter(|i| i.1 > 0.0).map(|i| i.0);
+    let carried = is_carried.into_iter().filter(|key| key.1).map(|key| key.0);
     let carried: Vec<&str> = carried.chain(HISTORIES).collect();
     differing(deck, "output", &job.output, &Output::default(), &carried);
     differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
@@ -52,6 +62,29 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
             curves.write_table(deck, Some(&curve.name));
         }
     }
+}
+
+/// Returns the times of all fields for a curve, in ascending order; `None` if an interval is enough
+/// or if there are too many. Other programs take no interval together with a curve, so that it has
+/// the times of both: Crumple reads the additional ones from the comments.
+pub(super) fn times_of_fields(job: &Job) -> Option<Vec<f64>> {
+    let output = &job.output;
+    let mut times = output.field_times.clone();
+    if times.is_empty() || output.field_interval == 0.0 {
+        return None;
+    }
+    if output.field_interval > 0.0 {
+        let count = job.end_time / output.field_interval;
+        if count > MOST_TIMES {
+            return None;
+        }
+        times.extend((0..=count as u32).map(|n| f64::from(n) * output.field_interval));
+    }
+    let is_ordered = output.field_times.is_sorted();
+    let within = output.field_times.iter().all(|t| (0.0..=job.end_time).contains(t));
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    (is_ordered && within).then_some(times)
 }
 
 /// Writes a whole list without cards.

@@ -41,6 +41,8 @@ pub(in crate::input::deck) struct DeckWriter {
     pub(super) segment_sets: u64,
     /// Largest id of a set of nodes so far.
     pub(super) node_sets: u64,
+    /// Ids of sets of nodes so far.
+    pub(super) sets_of_nodes: BTreeMap<Vec<u64>, u64>,
     /// Largest id of a system of axes so far.
     pub(super) systems: u64,
     /// Largest id of a node so far.
@@ -68,6 +70,12 @@ impl DeckWriter {
             self.body += &format!("{text:>WIDTH$}");
         }
         self.body.truncate(self.body.trim_end_matches(' ').len());
+        self.body.push('\n');
+    }
+
+    /// Writes a card of words.
+    pub(super) fn words(&mut self, words: &[&str]) {
+        words.iter().for_each(|word| self.body += &format!("{word:>WIDTH$}"));
         self.body.push('\n');
     }
 
@@ -156,9 +164,13 @@ impl DeckWriter {
         id
     }
 
-    /// Writes a set of nodes, and returns its id.
+    /// Writes a set of nodes if no set has the same ones, and returns its id.
     pub(super) fn node_set(&mut self, nodes: &[u64]) -> u64 {
+        if let Some(&id) = self.sets_of_nodes.get(nodes) {
+            return id;
+        }
         self.node_sets += 1;
+        self.sets_of_nodes.insert(nodes.to_vec(), self.node_sets);
         self.keyword("SET_NODE_LIST");
         self.card(&[Id(self.node_sets)]);
         let nodes: Vec<CardValue> = nodes.iter().map(|&n| Id(n)).collect();

@@ -145,13 +145,36 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "DATABASE_BINARY_D3PLOT",
         &[("dt:r lcdt:i beam:i npltc:i psetid:i", Maybe), ("ioopt:i rate:r", Maybe)],
-        "`output.field_interval`; npltc is the number of intervals",
+        "`output.field_interval`; npltc is the number of intervals. With ioopt 3 the abscissas of \
+         lcdt are `output.field_times`",
     )
     .unused(&[
-        ignored("lcdt", "the interval of fields is constant"),
         ignored("psetid", "fields have all parts"),
-        no_effect("beam ioopt rate", "fields have all elements"),
+        no_effect("beam rate", "fields have all elements"),
     ]),
+    Keyword::new(
+        "DATABASE_EXTENT_BINARY",
+        &[
+            (
+                "neiph:i neips:i maxint:i=3 strflg:i sigflg:i=1 epsflg:i=1 rltflg:i=1 engflg:i=1",
+                Maybe,
+            ),
+            ("card:l", Rest),
+        ],
+        "strflg 1 is `output.strains`; other cards are not read",
+    )
+    .unused(&[
+        no_effect("neiph neips", "d3plot files have no history variables of materials"),
+        no_effect("maxint", "`output.points` writes all points through the thickness"),
+        no_effect("sigflg epsflg rltflg engflg", "d3plot files have them in any case"),
+        no_effect("card", "d3plot files have one form"),
+    ]),
+    Keyword::new(
+        "CONTROL_UNITS",
+        &[("length:a time:a mass:a temp:a", Maybe), ("card:l", Rest)],
+        "`units`, also those of blanks: m, s, kg. Numbers are not converted",
+    )
+    .unused(&[no_effect("temp card", "values have the units of the deck")]),
     harmless("CONTROL_ACCURACY", "not used: results do not depend on any order"),
     harmless("CONTROL_CPU", "not used"),
     harmless("CONTROL_SOLID", "not used"),
@@ -159,7 +182,6 @@ pub const KEYWORDS: &[Keyword] = &[
     harmless("CONTROL_PARALLEL", "not used: set `parallel.workers`, or give --workers"),
     harmless("CONTROL_MPP_DECOMPOSITION_METHOD", "not used"),
     harmless("CONTROL_MPP_IO_NODUMP", "not used"),
-    harmless("CONTROL_UNITS", "not used"),
     harmless("CONTROL_STRUCTURED", "not used"),
     harmless("CONTROL_RIGID", "not used"),
     harmless("CONTROL_CHECK", "not used"),

@@ -59,19 +59,45 @@ impl BulkCard {
     }
 }
 
-/// Returns the cards of a file and of those that it includes, and names in its comments.
-pub fn cards(reading: &mut MeshReading, bytes: &[u8]) -> (Vec<BulkCard>, Vec<(u64, String)>) {
+/// Returns the content of a file and of those that it includes.
+pub fn cards(reading: &mut MeshReading, bytes: &[u8]) -> CardList {
     let mut found = CardList::default();
     found.add_file(reading, bytes, 0);
-    (found.cards, found.names)
+    found
 }
 
+/// Content of a file.
 #[derive(Default)]
-struct CardList {
-    cards: Vec<BulkCard>,
-    /// Names of properties in comments of pre-processors.
-    names: Vec<(u64, String)>,
+pub struct CardList {
+    /// Cards of the bulk data.
+    pub cards: Vec<BulkCard>,
+    /// Lines of the case control.
+    pub control: Vec<(String, FilePlace)>,
+    /// Names in comments of pre-processors.
+    pub names: Vec<NamedId>,
     ended: bool,
+}
+
+/// Something that a comment of a pre-processor names.
+#[derive(Debug, PartialEq, Eq)]
+pub struct NamedId {
+    /// The kind of thing.
+    pub of: NamedKind,
+    /// Its id.
+    pub id: u64,
+    /// Its name.
+    pub name: String,
+}
+
+/// Kind of thing that a comment of a pre-processor names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NamedKind {
+    /// A property.
+    Property,
+    /// A set of nodes.
+    NodeSet,
+    /// A set of elements.
+    ElementSet,
 }
 
 impl CardList {
@@ -88,16 +114,16 @@ impl CardList {
             if self.ended {
                 return;
             }
-            if begin.is_some_and(|begin| index <= begin) {
-                continue;
-            }
             if line.starts_with('$') {
                 self.names.extend(name_in_comment(line));
                 continue;
             }
             let line = line.split('$').next().unwrap_or_default().trim_end();
-            if !line.trim().is_empty() {
-                self.add_line(reading, line, place);
+            match begin {
+                _ if line.trim().is_empty() => {}
+                Some(begin) if index < begin => self.control.push((line.to_string(), place)),
+                Some(begin) if index == begin => {}
+                _ => self.add_line(reading, line, place),
             }
         }
     }
@@ -176,15 +202,28 @@ fn without_tabs(line: &str) -> String {
     found
 }
 
-/// Returns id and name of a property that a comment of HyperMesh or Femap names.
-fn name_in_comment(line: &str) -> Option<(u64, String)> {
+/// Returns what a comment of HyperMesh or Femap names.
+fn name_in_comment(line: &str) -> Option<NamedId> {
+    let named = |of: NamedKind, id: &str, name: &str| {
+        Some(NamedId { of, id: id.trim().parse().ok()?, name: name.trim().to_string() })
+    };
     if let Some(rest) = line.strip_prefix("$HMNAME PROP") {
         let (id, name) = rest.split_once('"')?;
-        return Some((id.trim().parse().ok()?, name.split('"').next()?.trim().to_string()));
+        return named(NamedKind::Property, id, name.split('"').next()?);
+    }
+    if let Some(rest) = line.strip_prefix("$HMSET ") {
+        let (numbers, name) = rest.split_once('"')?;
+        let (id, kind) = numbers.trim().split_once(' ')?;
+        let of = match kind.trim() {
+            "1" => NamedKind::NodeSet,
+            "2" => NamedKind::ElementSet,
+            _ => return None,
+        };
+        return named(of, id, name.split('"').next()?);
     }
     let rest = line.strip_prefix("$ Femap")?.split("Property ").nth(1)?;
     let (id, name) = rest.split_once(':')?;
-    Some((id.trim().parse().ok()?, name.trim().to_string()))
+    named(NamedKind::Property, id, name)
 }
 
 #[cfg(test)]
@@ -215,11 +254,18 @@ mod tests {
     }
 
     #[test]
-    fn comments_name_properties() {
-        let found = name_in_comment("$HMNAME PROP                   3\"rail\" 4");
-        assert_eq!(found, Some((3, "rail".into())));
-        let found = name_in_comment("$ Femap with NX Nastran Property 2 : plate");
-        assert_eq!(found, Some((2, "plate".into())));
-        assert_eq!(name_in_comment("$HMNAME COMP 1\"a\""), None);
+    fn comments_name_properties_and_sets() {
+        for (line, of, id, name) in [
+            ("$HMNAME PROP                   3\"rail\" 4", NamedKind::Property, 3, "rail"),
+            ("$ Femap with NX Nastran Property 2 : plate", NamedKind::Property, 2, "plate"),
+            ("$HMSET        5        1 \"rim\" 18", NamedKind::NodeSet, 5, "rim"),
+            ("$HMSET        6        2 \"skin\" 18", NamedKind::ElementSet, 6, "skin"),
+        ] {
+            let wanted = NamedId { of, id, name: name.into() };
+            assert_eq!(name_in_comment(line), Some(wanted), "{line}");
+        }
+        for line in ["$HMNAME COMP 1\"a\"", "$HMSET 5 4 \"a\"", "$HMSETTYPE 5 \"regular\" 18"] {
+            assert_eq!(name_in_comment(line), None, "{line}");
+        }
     }
 }

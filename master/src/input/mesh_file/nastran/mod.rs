@@ -1,16 +1,18 @@
 //! Nastran bulk data: nodes, elements, properties, elastic and plastic materials (MSC Nastran Quick
 //! Reference Guide).
 //!
-//! A property is a part with its id. Constrained nodes of `SPC` and `SPC1` are node sets `spc_ID`.
+//! A property is a part with its id. Constrained nodes of `SPC` and `SPC1` are node sets `spc_ID`,
+//! and so are sets, as `set_ID` or with their names.
 
 mod cards;
 mod properties;
+mod sets;
 
 use super::boundary;
 use super::cells::{Cell, CellUse};
 use super::content::{FileNode, FilePlace};
 use super::reading::{Fate, MeshReading};
-use cards::{BulkCard, FieldFault};
+use cards::{BulkCard, CardList, FieldFault, NamedKind};
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, HashMap};
 
@@ -107,10 +109,12 @@ pub struct BulkReader<'a> {
 
 /// Reads a file.
 pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
-    let (cards, names) = cards::cards(reading, bytes);
+    let CardList { cards, control, names, .. } = cards::cards(reading, bytes);
+    let (properties, sets): (Vec<_>, Vec<_>) =
+        names.into_iter().partition(|named| named.of == NamedKind::Property);
     let mut reader = BulkReader {
         reading,
-        names: names.into_iter().collect(),
+        names: properties.into_iter().map(|named| (named.id, named.name)).collect(),
         materials: BTreeMap::new(),
         at: HashMap::new(),
     };
@@ -122,6 +126,8 @@ pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
     for card in cards.iter().filter(|card| card.name != "GRID") {
         reader.card(card);
     }
+    // Sets name nodes and elements of the whole file.
+    sets::read(&mut reader, &cards, &control, &sets);
     reader.add_materials();
     boundary::drop_bounding(reading);
     warn_of_mixed_parts(reading);
@@ -201,7 +207,7 @@ impl BulkReader<'_> {
             "CONROD" => self.reported(card, Self::conrod),
             "SPC" | "SPC1" => self.reported(card, Self::constrained),
             name if properties::is_property(name) => self.reported(card, Self::property),
-            name if properties::is_material(name) => {}
+            name if properties::is_material(name) || sets::is_set(name) => {}
             _ => {
                 let advice = IGNORED.iter().find(|row| row.0 == name).map(|row| row.1);
                 let advice = advice.unwrap_or("not needed for the mesh, or not supported");

@@ -1,0 +1,21 @@
+//! Texts of jobs that the program has in itself: its examples, its benchmarks, and those that
+//! verification cases change. Other crates have no other way to them once they are packages.
+
+/// Two bars that collide.
+pub const BARS: &str = include_str!("../bars/job.toml");
+/// A rubber block between plates.
+pub const BLOCK: &str = include_str!("../block/job.toml");
+/// A bar of solids, for benchmarks.
+pub const HEX_BAR: &str = include_str!("../bench/hex-bar.toml");
+/// The frame of a jeep into a wall.
+pub const JEEP_FRAME: &str = include_str!("../jeep-frame/job.toml");
+/// A clamped plate that bulges.
+pub const PLATE: &str = include_str!("../plate/job.toml");
+/// A block that slides.
+pub const SLIDE: &str = include_str!("../slide/job.toml");
+/// A square tube that is crushed.
+pub const TUBE: &str = include_str!("../tube/job.toml");
+/// A longer tube, for benchmarks.
+pub const TUBE_CRUSH: &str = include_str!("../tube-crush/job.toml");
+/// Bodies that tumble.
+pub const TUMBLE: &str = include_str!("../tumble/job.toml");
