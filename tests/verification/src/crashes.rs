@@ -157,7 +157,8 @@ impl Crash {
             let (shown, rows) = self.run(&variant, &build(shell, mesh)?)?;
             let against = self.against(&variant, &shown, wanted, source);
             all.extend(against.into_iter().map(|row| if mesh.held { row } else { row.recorded() }));
-            all.extend(rows.into_iter().map(|row| if mesh.held { row } else { row.known(COARSE) }));
+            let known = if mesh.held { "" } else { COARSE };
+            all.extend(rows.into_iter().map(|row| row.known(known)));
         }
         Ok(all)
     }
