@@ -48,9 +48,9 @@ const HOURGLASS_OF_ALL: f64 = 0.05;
 
 /// Remark on the coarse meshes of the scenes.
 const COARSE: &str = "the mesh of the scene is coarse. Experiments with the default shell: 2.0 % of \
-                      hourglass energy with horn_refine = 3; on this mesh 4.98 % without the bound \
-                      of the stabilising forces, which makes them dissipate energy in bending \
-                      that varies over an element";
+                      hourglass energy with horn_refine = 3; on this mesh 4.98 % without the \
+                      bound of the stabilising forces, which makes them dissipate energy in \
+                      bending that varies over an element";
 
 /// Quantities and times at which a crash is observed, in units of its job.
 struct Crash {
