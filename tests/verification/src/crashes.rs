@@ -47,8 +47,8 @@ const HOURGLASS_OF_A_PART: f64 = 0.1;
 const HOURGLASS_OF_ALL: f64 = 0.05;
 
 /// Remark on the coarse meshes of the scenes.
-const COARSE: &str = "the mesh of the scene is coarse. Experiments with the default shell: 2.0 % of \
-                      hourglass energy with horn_refine = 3; on this mesh 4.98 % without the \
+const COARSE: &str = "the mesh of the scene is coarse. Experiments with the default shell: 2.0 % \
+                      of hourglass energy with horn_refine = 3; on this mesh 4.98 % without the \
                       bound of the stabilising forces, which makes them dissipate energy in \
                       bending that varies over an element";
 
