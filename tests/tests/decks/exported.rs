@@ -8,7 +8,7 @@ use crumple::input::job::{Model, read};
 use crumple_proto::ids::ElemId;
 use crumple_proto::job::Job;
 use crumple_proto::mesh::Shape;
-use crumple_proto::partition::{ElementRecord, Material, Settings};
+use crumple_proto::partition::{ElementRecord, Material, Param, Settings};
 use crumple_worker::fem::materials::LAWS;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -160,6 +160,11 @@ fn no_list_of_a_job_is_lost() {
     expect_test::expect_file!["../../decks/exported/every-list.txt"].assert_eq(&fates);
 }
 
+/// Returns rows of hardening curves without the points that keep them constant for other programs.
+fn without_constant_ends(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    rows.iter().filter(|row| row[row.len() - 2] < 10.0).cloned().collect()
+}
+
 /// Every law with its keys: a deck has all of them with the same values, and those that it adds are
 /// defaults, since the motion has the same bits.
 #[test]
@@ -178,7 +183,13 @@ fn every_law_keeps_its_keys() {
         let back = back.unwrap_or_else(|| panic!("{} is lost", material.name));
         assert_eq!((&back.law, back.density), (&material.law, material.density));
         for (key, param) in &material.parameters {
-            assert_eq!(back.parameters.get(key), Some(param), "{}: {key}", material.name);
+            let found = back.parameters.get(key).map(|param| match (key.as_str(), param) {
+                ("hardening" | "hardening_by_rate", Param::Table(rows)) => {
+                    Param::Table(without_constant_ends(rows))
+                }
+                _ => param.clone(),
+            });
+            assert_eq!(found.as_ref(), Some(param), "{}: {key}", material.name);
         }
         let added = back.parameters.keys().filter(|key| !material.parameters.contains_key(*key));
         left.extend(added.map(|key| format!("{}: {key} is added\n", material.name)));

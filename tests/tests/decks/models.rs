@@ -53,14 +53,20 @@ fn plastic_materials_keep_their_curves() {
     };
     let points =
         "*MAT_PIECEWISE_LINEAR_PLASTICITY\n1,7.85e-6,200.0,0.3\n\n0.0,0.1,0.5\n0.3,0.4,0.6\n";
-    assert_eq!(rows(points), [[0.0, 0.3], [0.1, 0.4], [0.5, 0.6]]);
+    let continued = |rows: &[[f64; 2]], stress: f64| {
+        let [strain, reached] = rows[3];
+        assert!(strain == 10.0 && (reached - stress).abs() < 1e-12, "{rows:?}");
+    };
+    assert_eq!(rows(points)[..3], [[0.0, 0.3], [0.1, 0.4], [0.5, 0.6]]);
+    continued(&rows(points), 0.6 + 0.5 * 9.5);
     let curve = "*MAT_024\n1,7.85e-6,200.0,0.3\n0.0,0.0,9\n*DEFINE_CURVE\n9,0,1.0,1000.0\n\
                  0.1,3.0e-4\n0.5,4.0e-4\n";
     assert_eq!(
-        rows(curve),
+        rows(curve)[..3],
         [[0.0, 0.3], [0.1, 0.3], [0.5, 0.4]],
         "in other units, and constant before the first point"
     );
+    continued(&rows(curve), 0.4 + 0.25 * 9.5);
     let jc = "*MAT_JOHNSON_COOK\n1,7.85e-6,80.0,0,0.25\n0.4,0.3,0.3,0.01,1.0,1800.0,293.0,0.001\n\
               450.0e-6\n";
     let model = model_of(&format!("{BASE}{MOVES}{jc}"));

@@ -512,8 +512,7 @@ pub(super) fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
 }
 
 /// Returns a hardening curve as the format means it, from plastic strain zero on: constant before
-/// its first point, continued with its last slope beyond its last one. A curve that falls stays
-/// constant there, since the yield stress is positive.
+/// its first point, continued with its last slope beyond its last one.
 pub(super) fn hardening_curve(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if let Some(&[first, stress]) = points.first()
         && first > 0.0
