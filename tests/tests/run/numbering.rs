@@ -183,7 +183,8 @@ fn what_is_asked_for_and_what_is_written_has_the_ids_of_the_mesh() {
 
     let mut sorted = there;
     sorted.sort_unstable();
-    let written = rows(&ended, "nodes.csv", 3);
+    let mut written = rows(&ended, "nodes.csv", 3);
+    written.retain(|row| row.0[0] != "head"); // the job itself asks for its head
     let written_ids: Vec<u64> = written[..4].iter().map(|r| r.0[1].parse().unwrap()).collect();
     assert_eq!(written_ids, sorted, "by ascending id");
     let histories = |ended: &Ended, ids: [u64; 4]| {
