@@ -5,8 +5,8 @@
 #   deploy/package.sh                 # optimised, as they are given away
 #   deploy/package.sh --profile dev   # to try the script
 #
-# It needs cargo, binutils, a C library for static programs (Debian: libc6-dev) and python3 with pip
-# and venv.
+# It needs cargo, binutils, a C library for static programs (Debian: libc6-dev), python3 with pip
+# and venv, and a registry of Python packages for maturin and zig.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -1,10 +1,12 @@
-//! Texts of jobs that the program has in itself: its examples, its benchmarks, and those that
-//! verification cases change. Other crates have no other way to them once they are packages.
+//! Texts of jobs as constants, for `EXAMPLES`, for benchmarks, and for other packages, which cannot
+//! include files of this one.
 
 /// Two bars that collide.
 pub const BARS: &str = include_str!("../bars/job.toml");
 /// A rubber block between plates.
 pub const BLOCK: &str = include_str!("../block/job.toml");
+/// A tube of a composite that is crushed.
+pub const COMPOSITE_TUBE: &str = include_str!("../composite-tube/job.toml");
 /// A bar of solids, for benchmarks.
 pub const HEX_BAR: &str = include_str!("../bench/hex-bar.toml");
 /// The frame of a jeep into a wall.

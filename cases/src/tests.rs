@@ -1,15 +1,13 @@
 //! Checks of all scenes: valid files, meshes without errors, and the numbers of the papers.
 
-use crate::{GENERATORS, generate};
+use crate::{GENERATORS, generate, jobs};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::quality::quality;
 use std::collections::{BTreeMap, BTreeSet};
 
-const JEEP: &str = include_str!("../jeep-frame/job.toml");
 const FLIGHT: &str = include_str!("../flight/job.toml");
-const TUMBLE: &str = include_str!("../tumble/job.toml");
 const BEAM: &str = include_str!("../beam/job.toml");
 const BRICK_WALL: &str = include_str!("../brick-wall/job.toml");
 const CAN_CRUSH: &str = include_str!("../can-crush/job.toml");
@@ -129,7 +127,7 @@ fn shell_mass(job: &Job, mesh: &Mesh) -> f64 {
 
 #[test]
 fn jobs_fit_their_meshes() {
-    for text in [JEEP, FLIGHT, TUMBLE] {
+    for text in [jobs::JEEP_FRAME, FLIGHT, jobs::TUMBLE] {
         assert!(text.starts_with("# Units"), "line one states units and what to see");
         let job = job(text);
         let mesh = mesh_of(&job);
@@ -185,7 +183,7 @@ fn jeep_frame_is_welded_through_shared_nodes() {
 /// surface is complete.
 #[test]
 fn finer_horns_hang_together_with_the_rest() {
-    let (job, coarse) = (job(JEEP), made("jeep_frame", ""));
+    let (job, coarse) = (job(jobs::JEEP_FRAME), made("jeep_frame", ""));
     for (horns, triangles) in [(2, 2 * 16 * 3), (3, 2 * 16 * 2), (4, 2 * 16 * 5)] {
         let mesh = made("jeep_frame", &format!("horn_refine = {horns}"));
         assert_eq!(pieces(&mesh), 1);
@@ -227,7 +225,7 @@ fn jeep_frame_carries_masses_where_refinement_leaves_them() {
 /// The engine, the load and about 100 kg of steel.
 #[test]
 fn jeep_frame_weighs_what_its_notes_say() {
-    let job = job(JEEP);
+    let job = job(jobs::JEEP_FRAME);
     let steel = shell_mass(&job, &mesh_of(&job));
     let added: f64 = job.mass.iter().map(|m| m.mass).sum();
     assert_eq!(added, 1300.0);
@@ -280,7 +278,7 @@ fn members_and_curves_that_do_not_fit_are_refused() {
 
 #[test]
 fn defaults_are_the_values_of_the_job_file() {
-    for text in [JEEP, TUMBLE, BEAM, BRICK_WALL, CAN_CRUSH] {
+    for text in [jobs::JEEP_FRAME, jobs::TUMBLE, BEAM, BRICK_WALL, CAN_CRUSH] {
         let job = job(text);
         let generator = GENERATORS
             .iter()
@@ -337,7 +335,7 @@ fn least_gap(job: &Job, mesh: &Mesh, time: f64) -> f64 {
 /// 1.5 mm, keep surfaces apart.
 #[test]
 fn tumble_starts_apart_and_collides_soon() {
-    let job = job(TUMBLE);
+    let job = job(jobs::TUMBLE);
     let mesh = made("tumble", "refine = 3");
     let start = least_gap(&job, &mesh, 0.0);
     assert!(start > 1.5 + 2.0 * 2.2, "{start} mm at the start");
@@ -494,13 +492,13 @@ fn the_twisted_beam_turns_by_a_right_angle() {
 fn scenes_of_studies_are_whole() {
     let jobs = [
         include_str!("../hertz/job.toml"),
-        include_str!("../slide/job.toml"),
+        jobs::SLIDE,
         include_str!("../slide/reversal.toml"),
         include_str!("../drum/job.toml"),
         include_str!("../corner/job.toml"),
-        include_str!("../tube/job.toml"),
+        jobs::TUBE,
         include_str!("../strip/job.toml"),
-        include_str!("../block/job.toml"),
+        jobs::BLOCK,
         include_str!("../block/cantilever.toml"),
     ];
     for text in jobs {

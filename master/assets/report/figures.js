@@ -80,7 +80,7 @@ class Figures {
   accelerations({ name, heads, histories }) {
     const out = [];
     // The name of a node is that of its group and its id.
-    const isHead = (object) => !heads.length || heads.some((group) => object.name.slice(0, object.name.lastIndexOf(" ")) === group);
+    const isHead = (object) => heads.some((group) => object.name.slice(0, object.name.lastIndexOf(" ")) === group);
     for (const object of histories.objects.filter(isHead)) {
       const quantity = magnitudeOf(object, "acceleration");
       if (!quantity) continue;
@@ -104,6 +104,8 @@ class Figures {
     } catch (error) {
       words = error.message;
     }
+    const recorded = this.runs.some(({ histories }) => histories.objects.some((object) => magnitudeOf(object, "acceleration")));
+    if (!words && recorded && !all.length) words = "No node is marked as a head: set head = true in its [[output.node]].";
     const shown = all.sort((a, b) => b.peak - a.peak).slice(0, MOST_HEADS);
     if (shown.length < all.length) words = `The ${shown.length} nodes with the largest accelerations of ${all.length}.`;
     byId("head-words").textContent = words;

@@ -81,7 +81,26 @@ class Picker {
     this.pick(kind === "node" ? -1 : index, kind === "node" ? index : -1);
     const middle = this.middle();
     if (!middle) throw new Error(`The ${kind} ${id} does not exist at this time, or its part is hidden.`);
-    this.view.centre(middle);
+    this.view.approach(middle, this.normal(), this.size());
+  }
+
+  /** The corners of the picked element in space, face by face. */
+  faces() {
+    const fraction = this.view.surface.uniforms.between.value;
+    return this.corners().map(([patches, corners]) => corners.map((corner) => new THREE.Vector3(...patches.place(corner, fraction))));
+  }
+
+  /** The normal of the largest face of the picked element; null for a node or a line. */
+  normal() {
+    const across = (places) => (places.length > 2 ? new THREE.Vector3().crossVectors(places[2].clone().sub(places[0]), places.at(-1).clone().sub(places[1])) : new THREE.Vector3());
+    const normals = this.faces().map(across).sort((a, b) => b.length() - a.length());
+    return normals[0]?.length() > 0 ? normals[0].normalize() : null;
+  }
+
+  /** The largest distance between two corners of the picked element; 0 for a node. */
+  size() {
+    const places = this.faces().flat();
+    return Math.max(0, ...places.map((place) => place.distanceTo(places[0])));
   }
 
   /** Corners of the picked element, or one of the picked node: patches and corner numbers. */

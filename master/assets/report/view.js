@@ -5,6 +5,8 @@
 const VIEWS = { iso: [-0.75, -1.1, 0.7], front: [-1, 0, 0], side: [0, -1, 0], top: [0, -1e-4, 1] };
 /** Width of the legend [pixels]. */
 const LEGEND = 120;
+/** Distance of the camera from an element that is found, over the size of the element. */
+const APPROACH = 15;
 
 class View {
   /** Throws if there is no WebGL. */
@@ -163,9 +165,17 @@ class View {
     this.draw();
   }
 
-  /** Moves the camera such that it looks at a point. */
-  centre(point) {
-    this.place((_, target) => target.set(...point));
+  /**
+   * Moves the camera such that it looks at a point, along a normal if there is one, and near enough that something of this
+   * size is seen.
+   */
+  approach(point, normal, size) {
+    this.place((offset, target) => {
+      target.set(...point);
+      const distance = size > 0 ? Math.min(offset.length(), APPROACH * size) : offset.length();
+      if (normal) offset.copy(normal).multiplyScalar(offset.dot(normal) < 0 ? -1 : 1);
+      offset.setLength(Math.max(distance, 2 * this.camera.near));
+    });
   }
 
   /** The place of a point on the canvas [pixels]. */

@@ -9,6 +9,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from ._native import VERSION as __version__
 from .errors import Finding, JobError, RunError
 from .fields import Fields
 from .job import Check, Job, check
@@ -29,6 +30,7 @@ OF_SERVICE = {
 """Modules of the names that are imported when they are used: they need `requests`."""
 
 __all__ = [
+    "__version__",
     "Check",
     "FINAL_STATES",
     "Fields",

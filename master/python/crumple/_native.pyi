@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 POINT_ARRAYS: list[str]
+VERSION: str
 
 def to_toml(table: Mapping[str, Any]) -> str: ...
 def from_toml(text: str) -> dict[str, Any]: ...

@@ -45,8 +45,8 @@ class Results:
 
     @property
     def warnings(self) -> list[str]:
-        """What to look at before the results are used."""
-        return [str(one["text"]) for one in self.summary["warnings"]]
+        """What to look at before the results are used: a line each, as `crumple run` prints it."""
+        return [_line(one) for one in self.summary["warnings"]]
 
     @property
     def requirements(self) -> list[dict[str, Any]]:
@@ -135,6 +135,14 @@ class Results:
         )
         title = html.escape(about["title"] or self.folder.name)
         return f"<table><caption>{title}</caption>{''.join(lines)}</table>"
+
+
+def _line(warning: dict[str, Any]) -> str:
+    """Returns a warning of a summary as one line."""
+    part = f"part {warning['part']}: " if warning["part"] else ""
+    place = f"; {warning['place']}" if warning["place"] else ""
+    time = f"at time {warning['worst_time']:.6g}"
+    return f"{time} {part}{warning['what']}{place}. {warning['cure']}"
 
 
 class Report:

@@ -32,6 +32,11 @@ mod native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let commit = env!("CRUMPLE_COMMIT");
+        if !commit.is_empty() {
+            crumple::features::COMMIT.get_or_init(|| commit);
+        }
+        module.add("VERSION", env!("CARGO_PKG_VERSION"))?;
         let names: Vec<&str> = super::POINT_ARRAYS.iter().map(|array| array.name).collect();
         module.add("POINT_ARRAYS", names)
     }

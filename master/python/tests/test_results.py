@@ -70,6 +70,20 @@ def test_fields_do_not_depend_on_the_workers(results: crumple.Results, tmp_path:
     assert alone.summary["state_digest"] == results.summary["state_digest"]
 
 
+def test_warnings_are_lines(bars: Path, tmp_path: Path) -> None:
+    """A wall that nothing touches gives the warning of the summary, also in a notebook."""
+    job = crumple.Job.read(bars)
+    job["wall"] = [{"name": "far", "point": [-1e3, 0.0, 0.0], "normal": [1.0, 0.0, 0.0]}]
+    far = crumple.run(job, workers=1, out=tmp_path / "out", progress=False)
+    (known,) = far.summary["warnings"]
+    assert known["kind"] == "unused_wall"
+    (line,) = far.warnings
+    assert line.startswith(f"at time {known['worst_time']:.6g}")
+    assert known["what"] in line
+    assert line.endswith(known["cure"])
+    assert "no node has touched these walls: far" in far._repr_html_()
+
+
 def test_errors_name_what_there_is(results: crumple.Results, tmp_path: Path) -> None:
     """A wrong name or number gets the ones that there are."""
     with pytest.raises(FileNotFoundError, match="has contact_pairs, contacts, history, parts"):

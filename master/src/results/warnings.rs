@@ -223,8 +223,6 @@ impl WatchedRow<'_> {
     fn hourglass(&self, row: &HistoryRow) -> Vec<EngineeringWarning> {
         let e = &row.sum.energies;
         let counts = |energy: f64| energy > NO_ENERGY * self.course.most;
-        let cure = "Use an element without hourglass modes or with physical stabilisation \
-                    (part.element), a finer mesh, or loads and supports on more nodes";
         let mut worst = Peak::default();
         let of_part = |(part, share): (u32, &PartShare)| {
             worst.raise(share.most_hourglass.value, || share.most_hourglass.at);
@@ -252,12 +250,14 @@ impl WatchedRow<'_> {
         let mut warned: Vec<_> = much
             .map(|(at, hourglass, internal)| {
                 let (value, what) = judged(hourglass, internal, of_part);
-                self.warn(row, value, what, &at, cure)
+                let part = at.part.and_then(|part| self.parts.get(part as usize));
+                self.warn(row, value, what, &at, hourglass_cure(part))
             })
             .collect();
         if is_much(e.hourglass, e.internal, of_all) {
             let (value, what) = judged(e.hourglass, e.internal, of_all);
-            warned.push(self.warn_of_all(row, value, what, &worst.at, cure));
+            let part = worst.at.part.and_then(|part| self.parts.get(part as usize));
+            warned.push(self.warn_of_all(row, value, what, &worst.at, hourglass_cure(part)));
         }
         warned
     }
@@ -343,6 +343,33 @@ impl WatchedRow<'_> {
                     strains, or part.inverted = \"delete\"";
         let kind = (WarningKind::Inversion, left);
         (left < FLAT).then(|| self.warn(row, kind, what, &row.sum.flattest, cure))
+    }
+}
+
+/// Returns the cure of hourglass energy in a part, by its element.
+fn hourglass_cure(part: Option<&Part>) -> &'static str {
+    // Elements of a part that names none: solids have no thickness.
+    let default = |part: &Part| match part.thickness {
+        0.0 => "hexahedron",
+        _ => "stabilised_quad",
+    };
+    match part.map(|part| part.element.as_deref().unwrap_or_else(|| default(part))) {
+        Some("belytschko_tsay") => {
+            "Set part.element = \"stabilised_quad\" or \"fully_integrated_quad\", or use a finer \
+             mesh, or loads and supports on more nodes"
+        }
+        Some("stabilised_quad") => {
+            "Use a finer mesh where the part bends or folds, loads and supports on more nodes, or \
+             part.element = \"fully_integrated_quad\""
+        }
+        Some("hexahedron") => {
+            "Use more elements over the depth that bends, part.hourglass = \"assumed_strain\", \
+             tetrahedra of ten nodes, or loads and supports on more nodes"
+        }
+        _ => {
+            "Use an element without hourglass modes or with physical stabilisation \
+             (part.element), a finer mesh, or loads and supports on more nodes"
+        }
     }
 }
 
@@ -465,6 +492,20 @@ mod tests {
         WatchedRow { parts: &[part("a"), part("b")], course: &course }.warnings()
     }
 
+    /// No part gets the advice to use the element that it has.
+    #[test]
+    fn the_cure_of_hourglass_energy_is_for_the_element() {
+        let with = |element: Option<&str>, thickness: f64| {
+            let part = Part { element: element.map(String::from), thickness, ..part("a") };
+            hourglass_cure(Some(&part))
+        };
+        assert!(with(Some("belytschko_tsay"), 1.0).contains("stabilised_quad"));
+        assert_eq!(with(None, 1.0), with(Some("stabilised_quad"), 1.0));
+        assert!(!with(None, 1.0).contains("\"stabilised_quad\""));
+        assert_eq!(with(None, 0.0), with(Some("hexahedron"), 0.0));
+        assert!(with(None, 0.0).contains("assumed_strain"));
+    }
+
     #[test]
     fn a_healthy_row_has_no_warning() {
         assert_eq!(of(|_| ()), []);
@@ -493,9 +534,9 @@ mod tests {
                 WarningKind::Hourglass,
                 |r| r.sum.shares.parts[1].hourglass = 0.51,
                 "`b`",
-                "part.element",
+                "ten nodes",
             ),
-            (WarningKind::Hourglass, |r| r.sum.energies.hourglass = 0.51, "", "finer mesh"),
+            (WarningKind::Hourglass, |r| r.sum.energies.hourglass = 0.51, "", "more nodes"),
             (WarningKind::ContactEnergy, |r| r.created = 0.011, "", "contact.sweeps"),
             (WarningKind::Friction, |r| r.sum.energies.friction = -11.0, "", "contact.friction"),
             (WarningKind::Friction, |r| r.sum.energies.friction = 1.1, "", "contact.friction"),

@@ -30,7 +30,13 @@ fn sets_of_nastran_bulk_data_are_node_sets() {
         assert_eq!(found.mesh.node_sets.get(name).map(Vec::as_slice), Some(nodes), "{cards}");
     }
     let with = |cards: &str| changed(&plate, "ENDDATA", &format!("{cards}\nENDDATA"));
-    refused("a.bdf", &with("SET1,4,1,9"), ":18: set `set_4` has node 9, which is missing");
+    refused("a.bdf", &with("SET3,4,GRID,1,9"), ":18: set `set_4` has node 9, which is missing");
+    // A set that does not say what it has may be one of elements that are not read.
+    let found = good("a.bdf", &with("SET1,4,1,9\nSET1,5,30,THRU,40\nSET1,6,11,THRU,20"));
+    assert_eq!(found.mesh.node_sets["set_4"], [1]);
+    assert_eq!(row(&found, "ids of set set_4"), Some((Fate::Ignored, 1)));
+    assert_eq!(row(&found, "SET1 5"), Some((Fate::Ignored, 1)));
+    assert_eq!(found.mesh.node_sets["set_6"], [3, 6], "there is no node from 11 to 20");
     refused("a.bdf", &with("SET1,4,1,x"), ":18: SET1: set 4: `x` is not expected");
     refused("a.bdf", &with("SET1,,1,2"), ":18: SET1: the set has no id");
     let found = good("a.bdf", &with("SET3,4,POINT,1\nSET,5,MAT\n+,1\nSET3,6,ELEM,1,77"));

@@ -22,9 +22,10 @@ use crate::surroundings::VelocityConstraint;
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{Row, V3, row};
 
-/// Smallest fraction of the force weights of a side, times shape values, on nodes that can move
-/// along the normal. Below it the side counts as fixed: a gap that is closed by its motion would
-/// throw nodes, at more than ten times the speed of the contact point.
+/// Smallest share of a side's nodes that can move along the normal. Each node counts with its force
+/// weight times its shape value, and with the part of its mobility that is along the normal [-]. A
+/// node that closes a gap alone moves faster than the contact point by one over the root of this.
+/// A pair with less on both sides has no force: it would throw nodes.
 pub const MOVABLE: f64 = 1e-2;
 
 /// Force of all pairs on a node [force], and their moment if any pair has one [force length].
@@ -239,10 +240,10 @@ impl PairTable {
                     rolling += twist * arm * pair.follows(r) * inv[0].max(inv[1]).max(inv[2]);
                 }
             }
-            for side in 0..2 {
-                if movable[side] < MOVABLE * all[side] {
-                    (sides[side], soft[0]) = (0.0, sides[1 - side]);
-                }
+            // A side that hardly moves still gives way to one that can: without its compliance the
+            // sweeps of a heavy slave would not converge.
+            if (0..2).all(|side| movable[side] <= MOVABLE * all[side]) {
+                (sides, soft[0]) = ([0.0; 2], 0.0);
             }
             pair.compliance = [soft[0], soft[1] + rolling];
             pair.rotational_compliance = rolling;

@@ -119,6 +119,12 @@ pub fn run(args: &DiffArgs) -> u8 {
 /// Returns the text, and whether all that both folders have is equal.
 fn compare(a: &Path, b: &Path) -> Result<(String, bool), String> {
     let folders = [a, b];
+    if let Some(missing) = folders.iter().find(|folder| !folder.is_dir()) {
+        return Err(format!(
+            "there is no folder {}: give the folders of two runs",
+            missing.display()
+        ));
+    }
     let kinds = [
         ("histories", histories::compare(folders)?),
         ("checkpoints", checkpoints::compare(folders)?),

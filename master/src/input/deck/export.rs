@@ -39,12 +39,13 @@ pub(in crate::input::deck) use writer::{DeckWriter, line, named, table_of, value
 use crate::input::deck::convert::units::stated;
 use crate::input::job::{Model, Report};
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::Job;
+use crumple_proto::job::{CurveInput, Job};
 use curves::TimeCurves;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
+use toml::Value;
 use writer::CardValue::{self, Blank, Id, Number};
-use writer::{LeftReason, points};
+use writer::{LeftReason, id_in_name, points, points_with_id};
 
 /// A job as a deck.
 #[derive(Debug)]
@@ -61,9 +62,11 @@ pub struct ExportedDeck {
 /// A text if the model has something that a deck cannot have.
 pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     let job = &model.job;
+    let used = used_names(job);
+    let is_used = |curve: &&CurveInput| used.contains(&curve.name);
     let mut deck = DeckWriter {
-        curves: most("curve-", job.curve.iter().map(|c| c.name.as_str())),
-        node_sets: most("set-", model.mesh.node_sets.keys().map(String::as_str)),
+        curves: most("curve-", job.curve.iter().filter(is_used).map(|c| c.name.as_str())),
+        last_node_set: most("set-", model.mesh.node_sets.keys().map(String::as_str)),
         systems: job.part.iter().map(|part| u64::from(part.id)).max().unwrap_or(0),
         last_node: model.mesh.nodes.iter().map(|n| n.id.label()).max().unwrap_or(0),
         ..DeckWriter::default()
@@ -77,13 +80,19 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     let equations = materials::write(&mut deck, model, &bodies.materials);
     bodies.inertia = inertia::of(model, &bodies.materials);
     parts::write(&mut deck, model, &bodies, &equations, next)?;
-    let sets = node_sets(&mut deck, model);
+    let faces = faces::of_pressures(model);
+    let with_joints = joints::sets_of_nodes(job, &bodies);
+    let is_written = |name: &str| {
+        let comes_back = faces.is_some() && !used.contains(name) && under_pressure(job, name);
+        !comes_back && !with_joints.contains(name)
+    };
+    let sets = node_sets(&mut deck, model, is_written);
     let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
     let mut curves = TimeCurves::new(job);
     initial::write(&mut deck, job, set);
     loads::gravity(&mut deck, model, &mut curves);
     loads::on_nodes(&mut deck, model, set, &mut curves);
-    faces::pressures(&mut deck, model, &mut curves);
+    faces::pressures(&mut deck, job, faces, &mut curves);
     airbags::write(&mut deck, model, &mut curves);
     let nodes = joints::write(&mut deck, job, &bodies);
     bodies::write(&mut deck, (model, &bodies), &nodes, set, &mut curves);
@@ -148,37 +157,64 @@ fn control(deck: &mut DeckWriter, job: &Job) {
     }
 }
 
-/// Writes all sets, and returns their ids by name. A reader names a set by its id, and once more by
-/// its title: both names have one card, so that sets do not become more with each export.
-fn node_sets<'m>(deck: &mut DeckWriter, model: &'m Model) -> BTreeMap<&'m str, u64> {
+/// Returns the names to which the entries of a job refer. Those of curves, and of the nodes under a
+/// pressure, which are faces in a deck, count only if other entries use them.
+fn used_names(job: &Job) -> BTreeSet<String> {
+    let mut table = table_of(job);
+    table.remove("curve");
+    if let Some(Value::Array(loads)) = table.get_mut("pressure") {
+        loads.iter_mut().filter_map(Value::as_table_mut).for_each(|load| {
+            load.remove("nodes");
+        });
+    }
+    let mut names = BTreeSet::new();
+    rest::add_texts(&Value::Table(table), &mut names);
+    names
+}
+
+/// Returns true for a name that a reader of decks gives the nodes under a pressure.
+fn under_pressure(job: &Job, name: &str) -> bool {
+    name.starts_with("pressure-")
+        && job.pressure.iter().any(|load| load.nodes.as_deref() == Some(name))
+}
+
+/// Writes all sets that others do not write, and returns their ids by name. A reader names a set by
+/// its id, and once more by its title: both names have one card, so that sets do not become more
+/// with each export.
+fn node_sets<'m>(
+    deck: &mut DeckWriter,
+    model: &'m Model,
+    is_written: impl Fn(&str) -> bool,
+) -> BTreeMap<&'m str, u64> {
     let all = &model.mesh.node_sets;
-    let number = |name: &str| {
-        let number = u64::from(name.strip_prefix("set-")?.parse::<u32>().ok()?);
-        (number > 0 && format!("set-{number}") == name).then_some(number)
-    };
+    let number = |name: &str| id_in_name("set-", name);
     let mut titles: BTreeMap<&[NodeId], Vec<&str>> = BTreeMap::new();
-    for (name, nodes) in all.iter().rev().filter(|(name, _)| number(name).is_none()) {
+    let is_title = |name: &str| number(name).is_none() && is_written(name);
+    for (name, nodes) in all.iter().rev().filter(|(name, _)| is_title(name)) {
         titles.entry(nodes).or_default().push(name);
     }
     let mut ids = BTreeMap::new();
     for (name, nodes) in all {
         let Some(id) = number(name) else { continue };
-        let title = titles.get_mut(nodes.as_slice()).and_then(Vec::pop);
-        node_set(deck, model, (id, title), nodes);
-        ids.extend(title.into_iter().chain([name.as_str()]).map(|name| (name, id)));
+        ids.insert(name.as_str(), id);
+        if is_written(name) {
+            let title = titles.get_mut(nodes.as_slice()).and_then(Vec::pop);
+            write_named_set(deck, model, (id, title), nodes);
+            ids.extend(title.map(|title| (title, id)));
+        }
     }
     for (name, nodes) in all {
-        if !ids.contains_key(name.as_str()) {
-            deck.node_sets += 1;
-            ids.insert(name, deck.node_sets);
-            node_set(deck, model, (deck.node_sets, Some(name)), nodes);
+        if !ids.contains_key(name.as_str()) && is_written(name) {
+            deck.last_node_set += 1;
+            ids.insert(name, deck.last_node_set);
+            write_named_set(deck, model, (deck.last_node_set, Some(name)), nodes);
         }
     }
     ids
 }
 
 /// Writes a set with its id and title.
-fn node_set(
+fn write_named_set(
     deck: &mut DeckWriter,
     model: &Model,
     (id, title): (u64, Option<&str>),
@@ -191,7 +227,7 @@ fn node_set(
     let nodes: Vec<u64> = nodes.iter().filter(there).map(|n| n.label()).collect();
     let fields: Vec<CardValue> = nodes.iter().map(|&n| Id(n)).collect();
     fields.chunks(8).for_each(|eight| deck.card(eight));
-    deck.sets_of_nodes.insert(nodes, id);
+    deck.node_set_ids.insert(nodes, id);
 }
 
 /// Runs `crumple export-deck` and returns the exit code.

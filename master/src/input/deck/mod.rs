@@ -47,7 +47,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Plastic strain that no material reaches, where continued hardening curves end.
-const BEYOND_ALL_STRAINS: f64 = 10.0;
+pub const BEYOND_ALL_STRAINS: f64 = 10.0;
 
 /// A request of a deck, and the settings used for it.
 #[derive(Clone, Debug, PartialEq)]

@@ -114,10 +114,11 @@ pub fn check(tree: &Node, job: &Job, used: &[Used], findings: &mut JobProblems) 
 #[cfg(test)]
 mod tests {
     use crate::input::job::read_text;
+    use crumple_cases::jobs;
 
     /// Returns the warnings for the colliding bars (shells with 2 points) with some settings.
     fn warned(sets: &[&str]) -> Vec<String> {
-        warned_in(include_str!("../../../../cases/bars/job.toml"), sets)
+        warned_in(jobs::BARS, sets)
     }
 
     fn warned_in(text: &str, sets: &[&str]) -> Vec<String> {
@@ -135,7 +136,7 @@ mod tests {
     /// Angles turn nothing if no material has axes, and layers have their own points.
     #[test]
     fn angles_without_axes_are_reported() {
-        let tube = include_str!("../../../../cases/composite-tube/job.toml");
+        let tube = jobs::COMPOSITE_TUBE;
         let found = |text: &str| {
             let model = read_text("job.toml".into(), text.to_string(), &[]);
             let model = model.unwrap_or_else(|report| panic!("{report}"));
@@ -154,7 +155,7 @@ mod tests {
     /// Solids have no thickness, so a thickness of theirs is reported.
     #[test]
     fn keys_of_shells_are_reported_for_solids() {
-        let block = include_str!("../../../../cases/block/job.toml");
+        let block = jobs::BLOCK;
         assert_eq!(warned_in(block, &[]), [""; 0]);
         assert_eq!(
             warned_in(block, &["part.block.thickness=1.0", "part.block.offset=0.5"]),

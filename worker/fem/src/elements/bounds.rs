@@ -9,15 +9,15 @@
 //! ```
 //! (stress of one sign on either side of the middle; Q_t is twice the plastic twisting moment; Q_d
 //! is a quarter of the plastic moment of a side). In a rectangle, a is the side across which the
-//! strain of the mode varies. Each formulation limits its forces to fractions of these.
+//! strain of the mode varies; `belytschko_tsay` and drilling use the root of the area. Each
+//! formulation limits its forces to fractions of these.
 
 use super::quad::DRILLING as DRILLING_MODES;
 use super::section::Section;
 use crate::materials::PointReal;
 use crumple_math::lanes::Real;
 
-/// Largest drilling moment of a node in a plastic part, as a fraction of its
-/// capacity.
+/// Largest drilling moment of a node in a plastic part, as a fraction of its capacity.
 const DRILLING_BOUND: f64 = 0.01;
 /// 8/sqrt 3: Q_t over `sig t^2/16`.
 const TWIST: f64 = 4.618_802_153_517_006;

@@ -42,8 +42,8 @@
 //! and its rises are no hardening. The forces unload elastically, so that flow dissipates their
 //! energy. Shear stays elastic, as in the section.
 //!
-//! Where the centre stays elastic, the forces of membrane and bending in a plastic part are bounded
-//! by those of a fully plastic element (`bounds.rs`): one element over the depth of a beam that is
+//! Forces of membrane and bending in a plastic part are bounded by those of a fully plastic element
+//! (`bounds.rs`), also where the centre stays elastic: one element over the depth of a beam that is
 //! bent in its plane has the plastic moment. The options `hourglass` and `warping` of a part are
 //! not read.
 
@@ -203,14 +203,14 @@ impl Kernel for StabilisedQuad {
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
         bounds::drill(drill, stiff, &ahead);
-        // jxx/4 and jyy/4 are the squares of the sides of a rectangle along y and x.
-        let across_x = R::splat(0.25) * jxx;
-        let across_y = R::splat(0.25) * jyy;
+        // Squares of the sides of a rectangle. Strain along x varies over the side along y.
+        let along_y = R::splat(0.25) * jxx;
+        let along_x = R::splat(0.25) * jyy;
         BOUNDS.apply::<R, N>(
             (&self.section, section),
             (stabilising, drill),
             thickness,
-            ([across_y, across_x, across_x, across_y], g.area),
+            ([along_x, along_y, along_y, along_x], g.area),
         );
         let energy = bounds::work(drill, &ahead, bounds::work(stabilising, &rates, energy));
 

@@ -92,7 +92,7 @@ impl DeckConverter {
             let by_id = || self.node_sets.get(&name.strip_prefix("set-")?.parse().ok()?);
             self.rows.set(name).or_else(|| Some(by_id()?.0.as_slice()))
         };
-        let own = of(body).unwrap_or_default();
+        let Some(own) = of(body) else { return false };
         let is_given = |other: &&DeckVelocity| {
             let Some(nodes) = of(other) else { return other.set.is_none() };
             let nodes: HashSet<&NodeId> = nodes.iter().collect();

@@ -511,9 +511,10 @@ pub(super) fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
     points.iter().map(|p| p.to_vec()).collect()
 }
 
-/// Returns a hardening curve as the format means it, from plastic strain zero on: constant before
-/// its first point, continued with its last slope beyond its last one.
-pub(super) fn hardening_curve(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+/// Returns a hardening curve as the formats mean it, from plastic strain zero on: constant before
+/// its first point, continued with its last slope beyond its last one. A curve that falls at its
+/// end stays constant.
+pub(in crate::input::deck) fn hardening_curve(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     if let Some(&[first, stress]) = points.first()
         && first > 0.0
     {

@@ -3,10 +3,11 @@
 use super::inertia::InertiaCards;
 use super::joints::JointNodes;
 use super::{
-    Blank, CardValue, DeckWriter, Id, LeftReason, Number, TimeCurves, line, list, named, switches,
+    Blank, CardValue, DeckWriter, Id, LeftReason, Number, TimeCurves, id_in_name, line, list,
+    named, switches,
 };
 use crate::input::job::Model;
-use crumple_proto::job::{CurveInput, Job, MotionInput, Rigid, RigidStop};
+use crumple_proto::job::{CurveInput, Job, MotionInput, Part, Rigid, RigidStop};
 use crumple_proto::partition::Material;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -55,13 +56,16 @@ pub fn materials(deck: &mut DeckWriter, model: &Model, mut next: u64) -> DeckBod
         return bodies;
     }
     let mut free = 1 + job.part.iter().map(|p| u64::from(p.id)).max().unwrap_or(0);
-    let mut titles: BTreeSet<String> = materials.iter().map(|m| m.name.clone()).collect();
+    let of_bodies: BTreeSet<u32> = whole.iter().flat_map(|body| body.parts.clone()).collect();
+    let deformable = job.part.iter().filter(|part| !of_bodies.contains(&part.id));
+    let mut titles: BTreeSet<String> =
+        deformable.flat_map(Part::materials).map(String::from).collect();
     for body in whole {
         let mut own: BTreeMap<&str, u64> = BTreeMap::new();
         let factor = density_factor(model, body).filter(|_| {
             // A reader would give another name to a material whose name is taken.
             let mut of = body.parts.iter().filter_map(|id| job.part.iter().find(|p| p.id == *id));
-            of.all(|part| !titles.contains(&title(&part.material, body)))
+            of.all(|part| !titles.contains(&title(&part.material, body, job)))
         });
         if factor.is_some() {
             bodies.dense.insert(body.name.clone());
@@ -70,8 +74,8 @@ pub fn materials(deck: &mut DeckWriter, model: &Model, mut next: u64) -> DeckBod
             let of = job.part.iter().find(|p| p.id == *id).map_or("", |p| p.material.as_str());
             let Some(material) = materials.iter().find(|m| m.name == of) else { continue };
             let mid = *own.entry(of).or_insert_with(|| {
-                rigid_material(deck, material, body, (next, factor));
-                titles.insert(title(&material.name, body));
+                rigid_material(deck, material, (body, job), (next, factor));
+                titles.insert(title(&material.name, body, job));
                 next += 1;
                 next - 1
             });
@@ -116,9 +120,15 @@ fn density_factor(model: &Model, body: &Rigid) -> Option<f64> {
     own.next().map(|(_, factor)| *factor)
 }
 
-/// Returns the title of a material of a body in the deck.
-fn title(material: &str, body: &Rigid) -> String {
-    format!("{}, {}", line(material), line(&body.name))
+/// Returns the title of a material of a body in the deck. A body of a deck is named by its part,
+/// and its materials have their names from the deck.
+fn title(material: &str, body: &Rigid, job: &Job) -> String {
+    let of_deck = body.parts.first().is_some_and(|lead| body.name == format!("part-{lead}"));
+    let own = |part: &Part| !part.materials().contains(&material) || body.parts.contains(&part.id);
+    match of_deck && job.part.iter().all(own) {
+        true => line(material),
+        false => format!("{}, {}", line(material), line(&body.name)),
+    }
 }
 
 /// Writes the material of a body with this id. With a factor on its density, Crumple reads the
@@ -126,7 +136,7 @@ fn title(material: &str, body: &Rigid) -> String {
 fn rigid_material(
     deck: &mut DeckWriter,
     material: &Material,
-    body: &Rigid,
+    (body, job): (&Rigid, &Job),
     (mid, factor): (u64, Option<f64>),
 ) {
     let number = |key: &str| match material.parameters.get(key) {
@@ -134,7 +144,7 @@ fn rigid_material(
         _ => Blank,
     };
     deck.keyword("MAT_RIGID_TITLE");
-    let title = title(&material.name, body);
+    let title = title(&material.name, body, job);
     deck.text(&title);
     let density = material.density * factor.unwrap_or(1.0);
     deck.card(&[Id(mid), Number(density), number("youngs_modulus"), number("poisson")]);
@@ -232,12 +242,15 @@ fn join(
     let mut own = Table::from_iter([named(name)]);
     if body.parts.is_empty() {
         let nodes = match &body.nodes {
-            Some(own) if !added.is_empty() => {
-                let own = model.mesh.node_sets.get(own).map_or(&[][..], Vec::as_slice);
+            Some(name) if !added.is_empty() => {
+                let own = model.mesh.node_sets.get(name).map_or(&[][..], Vec::as_slice);
                 let mut all: Vec<u64> = own.iter().map(|node| node.label()).collect();
                 // A job by an exported deck has these nodes in its set.
                 all.extend(added.iter().filter(|&node| !own.iter().any(|n| n.label() == *node)));
-                Id(deck.node_set(&all))
+                Id(match id_in_name("set-", name) {
+                    Some(id) => deck.node_set_with_id(id, &all),
+                    None => deck.node_set(&all),
+                })
             }
             _ => nodes.unwrap_or(Blank),
         };

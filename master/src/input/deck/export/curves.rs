@@ -1,7 +1,8 @@
 //! Writes factors over time as curves. Without a curve in the job the factor is 1, for which a
-//! deck needs a curve too.
+//! deck needs a curve too. A curve that a reader has named by its id keeps this id, so that curves
+//! do not become more with each export.
 
-use super::{DeckWriter, named, points};
+use super::{DeckWriter, id_in_name, named, points, points_with_id};
 use crumple_proto::job::Job;
 use std::collections::BTreeMap;
 use toml::{Table, Value};
@@ -35,7 +36,11 @@ impl<'j> TimeCurves<'j> {
         if let Some(&id) = self.ids.get(&key) {
             return id;
         }
-        let id = points(deck, &self.points(name));
+        let pairs = self.points(name);
+        let id = match name.and_then(own_id) {
+            Some(id) => points_with_id(deck, id, &pairs),
+            None => points(deck, &pairs),
+        };
         self.ids.insert(key, id);
         id
     }
@@ -47,10 +52,12 @@ impl<'j> TimeCurves<'j> {
         points(deck, &points_of)
     }
 
-    /// Writes the curve after `$crumple:` too, and returns its name there.
+    /// Writes the curve after `$crumple:` too, unless a reader has it under its name by its card.
+    /// Returns its name there.
     pub fn write_table(&mut self, deck: &mut DeckWriter, name: Option<&str>) -> String {
         let known = name.unwrap_or(CONSTANT).to_string();
-        if !self.tables.contains(&known) {
+        let is_on_card = own_id(&known).is_some() && self.ids.contains_key(&name.map(String::from));
+        if !is_on_card && !self.tables.contains(&known) {
             let rows =
                 self.points(name).into_iter().map(|p| Value::from(p.to_vec())).collect::<Vec<_>>();
             deck.comment(
@@ -61,4 +68,9 @@ impl<'j> TimeCurves<'j> {
         }
         known
     }
+}
+
+/// Returns the id of a curve that a reader has named by it.
+fn own_id(name: &str) -> Option<u64> {
+    id_in_name("curve-", name)
 }

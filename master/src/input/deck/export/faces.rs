@@ -4,36 +4,48 @@
 use super::{DeckWriter, Id, Number, TimeCurves, list};
 use crate::input::job::{Model, outer_faces};
 use crumple_proto::ids::NodeId;
+use crumple_proto::job::Job;
+use crumple_proto::loads::Pressure;
 use crumple_proto::mesh::free_faces;
 use std::collections::HashMap;
 
 /// A face as the place of its element and its number there.
 pub(super) type Face = (usize, usize);
 
-/// Writes pressures on sets of segments. Segments name a face by its nodes only, so that no other
-/// face may have the same nodes.
-pub fn pressures(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>) {
+/// Corners of the faces under each pressure.
+pub(super) type LoadedFaces = Vec<Vec<[NodeId; 4]>>;
+
+/// Returns the faces under pressures; `None` if a card cannot hold all of them. Segments name a
+/// face by its nodes only, so that no other face may have the same nodes.
+pub(super) fn of_pressures(model: &Model) -> Option<LoadedFaces> {
     let loads = &model.settings.loads.pressures;
     if loads.is_empty() {
-        return;
+        return Some(Vec::new());
     }
     let mut counts: HashMap<Vec<NodeId>, usize> = HashMap::new();
     for face in outer_faces(&model.mesh, &free_faces(&model.mesh.elements), |_| true, None) {
         *counts.entry(sorted(&corners(model, face))).or_default() += 1;
     }
     let place = |id| model.mesh.elements.binary_search_by_key(&id, |e| e.id).ok();
-    let all: Option<Vec<Vec<[NodeId; 4]>>> = loads
-        .iter()
-        .map(|load| {
-            let faces = load.faces.iter().map(|&(id, face)| {
-                let corners = corners(model, (place(id)?, usize::from(face)));
-                (counts.get(&sorted(&corners)) == Some(&1)).then_some(corners)
-            });
-            faces.collect()
-        })
-        .collect();
-    let Some(all) = all else { return list(deck, "pressure", &model.job.pressure) };
-    for (faces, input) in all.iter().zip(&model.job.pressure) {
+    let of_load = |load: &Pressure| {
+        let faces = load.faces.iter().map(|&(id, face)| {
+            let corners = corners(model, (place(id)?, usize::from(face)));
+            (counts.get(&sorted(&corners)) == Some(&1)).then_some(corners)
+        });
+        faces.collect()
+    };
+    loads.iter().map(of_load).collect()
+}
+
+/// Writes pressures on sets of segments.
+pub fn pressures(
+    deck: &mut DeckWriter,
+    job: &Job,
+    faces: Option<LoadedFaces>,
+    curves: &mut TimeCurves<'_>,
+) {
+    let Some(faces) = faces else { return list(deck, "pressure", &job.pressure) };
+    for (faces, input) in faces.iter().zip(&job.pressure) {
         let curve = curves.id(deck, input.curve.as_deref());
         let set = segments(deck, faces);
         deck.keyword("LOAD_SEGMENT_SET");

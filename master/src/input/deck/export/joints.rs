@@ -4,11 +4,11 @@
 
 use super::beams::end_of;
 use super::bodies::DeckBodies;
-use super::writer::exact_quotient;
+use super::writer::{exact_quotient, id_in_name};
 use super::{Blank, CardValue, DeckWriter, Id, Number, named, points, table_of};
 use crate::input::deck::convert::space::{cross, unit};
 use crumple_proto::job::{Job, JointInput, JointKind, JointResistance};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use toml::{Table, Value};
 
@@ -27,8 +27,7 @@ pub type JointNodes = BTreeMap<String, Vec<u64>>;
 /// that their order is kept. Returns the nodes that the bodies get.
 pub fn write(deck: &mut DeckWriter, job: &Job, bodies: &DeckBodies) -> JointNodes {
     let mut added = JointNodes::new();
-    let count = job.joint.iter().take_while(|joint| has_card(joint, bodies)).count();
-    let (with, without) = job.joint.split_at(count);
+    let (with, without) = job.joint.split_at(count_with_cards(job, bodies));
     for (joint, number) in with.iter().zip(1..) {
         one(deck, joint, number, bodies, &mut added);
     }
@@ -37,6 +36,21 @@ pub fn write(deck: &mut DeckWriter, job: &Job, bodies: &DeckBodies) -> JointNode
         deck.whole("joint", table_of(&JointInput { bodies, ..joint.clone() }));
     }
     added
+}
+
+/// Returns the number of joints before the first one without a card.
+fn count_with_cards(job: &Job, bodies: &DeckBodies) -> usize {
+    job.joint.iter().take_while(|joint| has_card(joint, bodies)).count()
+}
+
+/// Returns the sets of bodies of nodes that a reader has named by their ids and to which joints add
+/// nodes: they keep their ids.
+pub fn sets_of_nodes<'j>(job: &'j Job, bodies: &DeckBodies) -> BTreeSet<&'j str> {
+    let with = &job.joint[..count_with_cards(job, bodies)];
+    let joined: BTreeSet<&String> = with.iter().flat_map(|joint| &joint.bodies).collect();
+    let of = job.rigid.iter().filter(|b| b.parts.is_empty() && joined.contains(&b.name));
+    let sets = of.filter_map(|body| body.nodes.as_deref());
+    sets.filter(|set| id_in_name("set-", set).is_some()).collect()
 }
 
 /// Returns true for a joint between two bodies of the deck. Cards have no joint with the ground.

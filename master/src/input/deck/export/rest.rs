@@ -4,6 +4,7 @@ use super::{DeckWriter, LeftReason, TimeCurves, table_of};
 use crate::input::deck::convert::units::stated;
 use crumple_proto::job::{Checkpoint, Elements, Job, Output, Parallel, Restart, Time};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use toml::{Table, Value};
 
 /// Lists of `[output]` that cards hold.
@@ -57,10 +58,21 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
     }
     // Entries without cards refer to curves by their names.
     let referring = ["gravity", "pressure", "airbag", "load", "motion", "wall"];
-    if referring.iter().any(|key| deck.rest.contains_key(*key)) {
-        for curve in &job.curve {
-            curves.write_table(deck, Some(&curve.name));
-        }
+    let mut texts = BTreeSet::new();
+    let entries = referring.iter().filter_map(|key| deck.rest.get(*key));
+    entries.for_each(|entries| add_texts(entries, &mut texts));
+    for curve in job.curve.iter().filter(|curve| texts.contains(&curve.name)) {
+        curves.write_table(deck, Some(&curve.name));
+    }
+}
+
+/// Adds all texts in a value.
+pub(super) fn add_texts(value: &Value, texts: &mut BTreeSet<String>) {
+    match value {
+        Value::String(text) => drop(texts.insert(text.clone())),
+        Value::Array(items) => items.iter().for_each(|item| add_texts(item, texts)),
+        Value::Table(table) => table.values().for_each(|item| add_texts(item, texts)),
+        _ => {}
     }
 }
 

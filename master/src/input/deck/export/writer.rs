@@ -40,9 +40,9 @@ pub(in crate::input::deck) struct DeckWriter {
     /// Number of sets of segments so far.
     pub(super) segment_sets: u64,
     /// Largest id of a set of nodes so far.
-    pub(super) node_sets: u64,
+    pub(super) last_node_set: u64,
     /// Ids of sets of nodes so far.
-    pub(super) sets_of_nodes: BTreeMap<Vec<u64>, u64>,
+    pub(super) node_set_ids: BTreeMap<Vec<u64>, u64>,
     /// Largest id of a system of axes so far.
     pub(super) systems: u64,
     /// Largest id of a node so far.
@@ -166,16 +166,21 @@ impl DeckWriter {
 
     /// Writes a set of nodes if no set has the same ones, and returns its id.
     pub(super) fn node_set(&mut self, nodes: &[u64]) -> u64 {
-        if let Some(&id) = self.sets_of_nodes.get(nodes) {
+        if let Some(&id) = self.node_set_ids.get(nodes) {
             return id;
         }
-        self.node_sets += 1;
-        self.sets_of_nodes.insert(nodes.to_vec(), self.node_sets);
+        self.last_node_set += 1;
+        self.node_set_with_id(self.last_node_set, nodes)
+    }
+
+    /// Writes a set of nodes with this id, and returns the id.
+    pub(super) fn node_set_with_id(&mut self, id: u64, nodes: &[u64]) -> u64 {
+        self.node_set_ids.insert(nodes.to_vec(), id);
         self.keyword("SET_NODE_LIST");
-        self.card(&[Id(self.node_sets)]);
+        self.card(&[Id(id)]);
         let nodes: Vec<CardValue> = nodes.iter().map(|&n| Id(n)).collect();
         nodes.chunks(8).for_each(|eight| self.card(eight));
-        self.node_sets
+        id
     }
 
     /// Returns the text of the deck of a job with this name.
@@ -240,6 +245,12 @@ pub(in crate::input::deck) fn table_of(entry: &impl Serialize) -> Table {
     table
 }
 
+/// Returns the id in a name of the form `start` and id, which a reader gives a curve or a set.
+pub(super) fn id_in_name(start: &str, name: &str) -> Option<u64> {
+    let id = u64::from(name.strip_prefix(start)?.parse::<u32>().ok()?);
+    (id > 0 && format!("{start}{id}") == name).then_some(id)
+}
+
 /// Returns a name for each entry, as on a card of a contact: the given one, or `kind` and its
 /// number if it is empty. If two are equal, all get numbers, with another kind than any given name.
 pub(super) fn unique_names<'n>(kind: &str, given: impl Iterator<Item = &'n str>) -> Vec<String> {
@@ -267,10 +278,14 @@ pub(in crate::input::deck) fn named(name: &str) -> (String, Value) {
     ("name".into(), name.into())
 }
 
-/// Writes a curve through these points, and returns its id.
+/// Writes a curve through these points, and returns its id, which no other curve has.
 pub(super) fn points(deck: &mut DeckWriter, pairs: &[[f64; 2]]) -> u64 {
     deck.curves += 1;
-    let id = deck.curves;
+    points_with_id(deck, deck.curves, pairs)
+}
+
+/// Writes a curve with this id through these points, and returns the id.
+pub(super) fn points_with_id(deck: &mut DeckWriter, id: u64, pairs: &[[f64; 2]]) -> u64 {
     deck.keyword("DEFINE_CURVE");
     deck.card(&[Id(id)]);
     pairs.iter().for_each(|p| deck.card(&p.map(Number)));

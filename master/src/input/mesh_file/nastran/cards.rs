@@ -60,15 +60,15 @@ impl BulkCard {
 }
 
 /// Returns the content of a file and of those that it includes.
-pub fn cards(reading: &mut MeshReading, bytes: &[u8]) -> CardList {
-    let mut found = CardList::default();
+pub fn cards(reading: &mut MeshReading, bytes: &[u8]) -> BulkText {
+    let mut found = BulkText::default();
     found.add_file(reading, bytes, 0);
     found
 }
 
-/// Content of a file.
+/// Cards, case control and names of a file and of those that it includes.
 #[derive(Default)]
-pub struct CardList {
+pub struct BulkText {
     /// Cards of the bulk data.
     pub cards: Vec<BulkCard>,
     /// Lines of the case control.
@@ -94,13 +94,22 @@ pub struct NamedId {
 pub enum NamedKind {
     /// A property.
     Property,
-    /// A set of nodes.
-    NodeSet,
-    /// A set of elements.
-    ElementSet,
+    /// A set.
+    Set(SetKind),
 }
 
-impl CardList {
+/// Kind of the ids of a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetKind {
+    /// Nodes.
+    Nodes,
+    /// Elements.
+    Elements,
+    /// Properties.
+    Properties,
+}
+
+impl BulkText {
     fn add_file(&mut self, reading: &mut MeshReading, bytes: &[u8], file: u32) {
         let text = String::from_utf8_lossy(bytes).into_owned();
         let is_begin = |line: &str| {
@@ -215,8 +224,8 @@ fn name_in_comment(line: &str) -> Option<NamedId> {
         let (numbers, name) = rest.split_once('"')?;
         let (id, kind) = numbers.trim().split_once(' ')?;
         let of = match kind.trim() {
-            "1" => NamedKind::NodeSet,
-            "2" => NamedKind::ElementSet,
+            "1" => NamedKind::Set(SetKind::Nodes),
+            "2" => NamedKind::Set(SetKind::Elements),
             _ => return None,
         };
         return named(of, id, name.split('"').next()?);
@@ -258,8 +267,8 @@ mod tests {
         for (line, of, id, name) in [
             ("$HMNAME PROP                   3\"rail\" 4", NamedKind::Property, 3, "rail"),
             ("$ Femap with NX Nastran Property 2 : plate", NamedKind::Property, 2, "plate"),
-            ("$HMSET        5        1 \"rim\" 18", NamedKind::NodeSet, 5, "rim"),
-            ("$HMSET        6        2 \"skin\" 18", NamedKind::ElementSet, 6, "skin"),
+            ("$HMSET        5        1 \"rim\" 18", NamedKind::Set(SetKind::Nodes), 5, "rim"),
+            ("$HMSET        6        2 \"skin\" 18", NamedKind::Set(SetKind::Elements), 6, "skin"),
         ] {
             let wanted = NamedId { of, id, name: name.into() };
             assert_eq!(name_in_comment(line), Some(wanted), "{line}");

@@ -12,7 +12,7 @@ use super::boundary;
 use super::cells::{Cell, CellUse};
 use super::content::{FileNode, FilePlace};
 use super::reading::{Fate, MeshReading};
-use cards::{BulkCard, CardList, FieldFault, NamedKind};
+use cards::{BulkCard, BulkText, FieldFault, NamedKind};
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, HashMap};
 
@@ -109,7 +109,7 @@ pub struct BulkReader<'a> {
 
 /// Reads a file.
 pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
-    let CardList { cards, control, names, .. } = cards::cards(reading, bytes);
+    let BulkText { cards, control, names, .. } = cards::cards(reading, bytes);
     let (properties, sets): (Vec<_>, Vec<_>) =
         names.into_iter().partition(|named| named.of == NamedKind::Property);
     let mut reader = BulkReader {

@@ -7,18 +7,10 @@
 //! the nodes of their elements.
 
 use super::BulkReader;
-use super::cards::{BulkCard, FieldFault, NamedId, NamedKind};
+use super::cards::{BulkCard, FieldFault, NamedId, NamedKind, SetKind};
 use crate::input::mesh_file::content::{FileElement, FilePlace};
 use crate::input::mesh_file::reading::Fate;
 use std::collections::{BTreeSet, HashMap};
-
-/// Kind of the ids of a set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SetKind {
-    Nodes,
-    Elements,
-    Properties,
-}
 
 /// Requests for output of nodes and of elements, by the letters that are enough.
 const NODAL: &[&str] =
@@ -61,11 +53,11 @@ struct SetReader<'r, 'a> {
 
 impl<'r, 'a> SetReader<'r, 'a> {
     fn new(reader: &'r mut BulkReader<'a>, names: &[NamedId]) -> Self {
-        let kind = |named: &NamedId| match named.of {
-            NamedKind::ElementSet => SetKind::Elements,
-            _ => SetKind::Nodes,
+        let of_set = |named: &NamedId| match named.of {
+            NamedKind::Set(kind) => Some((named.id, (kind, named.name.clone()))),
+            NamedKind::Property => None,
         };
-        let names = names.iter().map(|n| (n.id, (kind(n), n.name.clone()))).collect();
+        let names = names.iter().filter_map(of_set).collect();
         let nodes = reader.at.keys().copied().collect();
         let mesh = &reader.reading.mesh;
         let elements = mesh.elements.iter().map(|element| element.id).collect();
@@ -153,13 +145,23 @@ impl<'r, 'a> SetReader<'r, 'a> {
         }
     }
 
-    /// Adds a set. Without a kind its ids are those of nodes, unless only elements have all.
-    fn add(&mut self, what: &str, id: u64, kind: Option<SetKind>, list: &IdList, place: FilePlace) {
-        let lacks = |known: &BTreeSet<u64>| !list.single.is_subset(known);
-        let kind = kind.unwrap_or_else(|| match lacks(&self.nodes) && !lacks(&self.elements) {
-            true => SetKind::Elements,
-            false => SetKind::Nodes,
-        });
+    /// Adds a set. Without a kind its ids are those of nodes, unless only elements have all of
+    /// them: each single id, and at least one of a range.
+    fn add(
+        &mut self,
+        what: &str,
+        id: u64,
+        given: Option<SetKind>,
+        list: &IdList,
+        place: FilePlace,
+    ) {
+        let has_all =
+            |known: &BTreeSet<u64>| list.single.is_subset(known) && !list.ids_of(known).is_empty();
+        let kind =
+            given.unwrap_or_else(|| match !has_all(&self.nodes) && has_all(&self.elements) {
+                true => SetKind::Elements,
+                false => SetKind::Nodes,
+            });
         let named = self.names.get(&id).filter(|named| named.0 == kind);
         let name = named.map_or_else(|| format!("set_{id}"), |named| named.1.clone());
         let known = match kind {
@@ -179,19 +181,25 @@ impl<'r, 'a> SetReader<'r, 'a> {
             found = elements.flat_map(|element| &element.corners).copied().collect();
         }
         let reading = &mut self.reader.reading;
-        if kind == SetKind::Nodes && !missing.is_empty() {
+        if given == Some(SetKind::Nodes) && !missing.is_empty() {
             return reading.set_lacks(&name, &missing, place);
         }
         if !missing.is_empty() {
-            let became = "their elements are not read, or not in the file";
+            let became = "not read, or not in the file";
             reading.row(Fate::Ignored, format!("ids of set {name}"), missing.len(), became);
         }
         if !reading.has_room(found.len(), place) {
             return;
         }
         let found: Vec<u64> = found.into_iter().collect();
+        if found.is_empty() {
+            if missing.is_empty() {
+                reading.row(Fate::Ignored, what, 1, "none of its ids is in the file");
+            }
+            return;
+        }
         let sets = &mut reading.mesh.node_sets;
-        if found.is_empty() || sets.get(&name) == Some(&found) {
+        if sets.get(&name) == Some(&found) {
             return;
         }
         let mut own = name.clone();

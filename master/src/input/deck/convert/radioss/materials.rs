@@ -1,7 +1,7 @@
 //! Converts `/MAT/...` and `/FAIL/JOHNSON`: laws and their parameters.
 
 use super::StarterConverter;
-use crate::input::deck::convert::materials::DeckMaterial;
+use crate::input::deck::convert::materials::{DeckMaterial, hardening_curve};
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use std::collections::BTreeMap;
@@ -15,8 +15,6 @@ const NO_DENSITY: f64 = 1e-20;
 /// Plastic strains of the straight lines of a power law: the smallest, the largest, and the number
 /// of lines between them.
 const LINES: (f64, f64, i32) = (1e-4, 2.0, 60);
-/// Plastic strain up to which a yield curve is continued with its last slope.
-const FAR: f64 = 10.0;
 /// Reference temperature of a card without one [K].
 const ROOM: f64 = 300.0;
 /// Exponent of a power law that is a straight line.
@@ -196,7 +194,7 @@ impl StarterConverter {
         }
         if let Some(points) = self.points_of(id, place) {
             let scale = scales.first().copied().filter(|s| *s != 0.0).unwrap_or(1.0);
-            let rows = far(points.iter().map(|p| [p[0], scale * p[1]]).collect());
+            let rows = hardening_curve(points.iter().map(|p| [p[0], scale * p[1]]).collect());
             table.put("hardening", place, rows.iter().map(|p| p.to_vec()).collect::<Vec<_>>());
         }
         fail(record, table);
@@ -253,20 +251,4 @@ fn elastic(record: &CardRecord, name: &str) -> (JobTable, f64) {
         .with("youngs_modulus", record.place("e"), e)
         .with("poisson", record.place("nu"), record.real("nu"));
     (table, e)
-}
-
-/// Returns the points of a yield curve from plastic strain 0 on, continued with its last slope.
-fn far(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    if let Some(&[first, stress]) = points.first()
-        && first > 0.0
-    {
-        points.insert(0, [0.0, stress]);
-    }
-    if let [.., a, b] = points[..] {
-        let slope = (b[1] - a[1]) / (b[0] - a[0]);
-        if b[0] < FAR && slope.is_finite() && slope > 0.0 {
-            points.push([FAR, b[1] + slope * (FAR - b[0])]);
-        }
-    }
-    points
 }
