@@ -4,6 +4,7 @@
 //! piece of text.
 
 use crumple::input::job::{Model, Report, read};
+use crumple::results::requirements::check_names;
 use std::path::{Path, PathBuf};
 
 fn folder(name: &str) -> PathBuf {
@@ -21,8 +22,8 @@ fn good(sets: &[&str]) -> Model {
 
 fn report_of(path: &Path, sets: &[&str]) -> Report {
     let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
-    match read(path, &sets) {
-        Ok(_) => panic!("{} passes with {sets:?}", path.display()),
+    match read(path, &sets).and_then(|model| check_names(&model)) {
+        Ok(()) => panic!("{} passes with {sets:?}", path.display()),
         Err(report) => report,
     }
 }

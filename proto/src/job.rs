@@ -28,7 +28,9 @@ pub use joint::{JointInput, JointKind, JointResistance};
 pub use loads::{CurveInput, GravityInput, LoadInput, MotionInput, PressureInput, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use particles::ParticlesInput;
-pub use require::{ElementReduction, Quantity, Requirement, RowReduction};
+pub use require::{
+    ElementReduction, FilterClass, ObjectTable, Quantity, Requirement, RowReduction,
+};
 pub use restart::{PartVelocity, Restart};
 pub use rigid::{Rigid, RigidStop};
 pub use set::{SetInput, SetRule};

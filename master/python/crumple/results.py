@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+import logging
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,8 @@ from .fields import Fields
 if TYPE_CHECKING:
     import pandas
     import pyvista
+
+LOG = logging.getLogger("crumple")
 
 
 class Results:
@@ -50,7 +53,10 @@ class Results:
 
     @property
     def requirements(self) -> list[dict[str, Any]]:
-        """Requirements of the job, with the value and the verdict of each."""
+        """Requirements of the job, with the value and the verdict of each.
+
+        `is_met` is the verdict, `value` the number in `unit`, `time` that of an extreme.
+        """
         return list(self.summary.get("requirements", []))
 
     @property
@@ -127,6 +133,7 @@ class Results:
             "run": f"{about['workers']} workers, {about['wall_s']:.1f} s",
             "energy error": f"{100 * about['energy']['error_max']:.3f} % at most",
             "warnings": "; ".join(self.warnings) or "none",
+            "requirements": "; ".join(verdict(one) for one in self.requirements) or "none",
             "folder": os.fspath(self.folder),
         }
         lines = (
@@ -164,12 +171,34 @@ class Report:
         return f'<iframe srcdoc="{page}" style="{style}"></iframe>'
 
 
+def verdict(requirement: dict[str, Any]) -> str:
+    """Returns a requirement as the program prints it: `FAIL  name: value (required: limits)`."""
+    word = "PASS" if requirement["is_met"] else "FAIL"
+    value = requirement["value"]
+    if value is None:
+        found = str(requirement.get("why", "no value"))
+    else:
+        found = f"{value:.6e} {requirement.get('unit', '')}".rstrip()
+        if requirement.get("time") is not None:
+            unit = requirement.get("unit_of_time", "")
+            found += f" at time {requirement['time']:.4e} {unit}".rstrip()
+    sides = [(side, requirement[side]) for side in ("below", "above")]
+    limits = ", ".join(f"{side} {limit:.10g}" for side, limit in sides if limit is not None)
+    return f"{word}  {requirement['name']}: {found} (required: {limits})"
+
+
 def open(folder: str | os.PathLike[str]) -> Results:
     """Opens the results in a folder.
+
+    Each requirement that is not met is a warning of the logger `crumple`.
 
     Raises `FileNotFoundError` if there are none.
     """
     results = Results(folder)
     if not (results.folder / "history.csv").is_file():
         raise FileNotFoundError(f"{results.folder} has no results of a run")
+    if results.status != "unfinished":
+        for requirement in results.requirements:
+            if not requirement["is_met"]:
+                LOG.warning("%s", verdict(requirement))
     return results

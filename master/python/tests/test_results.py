@@ -8,6 +8,7 @@ import crumple
 import numpy
 import pytest
 import pyvista
+from crumple.results import verdict
 
 
 def test_histories_are_the_columns_of_the_files(results: crumple.Results) -> None:
@@ -121,6 +122,50 @@ def test_notebooks_show_summary_and_report(results: crumple.Results) -> None:
     frame = results.report._repr_html_()
     page = frame.split('srcdoc="')[1].split('"')[0]
     assert html.unescape(page) == (results.folder / "report.html").read_text()
+
+
+REQUIREMENTS = [
+    {
+        "name": "momentum",
+        "quantity": {
+            "table": "parts",
+            "of": "two",
+            "history": "momentum",
+            "stat": "max",
+            "filter": "CFC 1000",
+        },
+        "below": 0.0,
+    },
+    {
+        "name": "mass",
+        "quantity": {"table": "parts", "of": "two", "history": "mass", "stat": "min"},
+        "above": 0.0,
+    },
+]
+
+
+def test_a_requirement_that_is_not_met_is_a_warning(
+    bars: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """It is logged by run and by open, and shown in notebooks; one that is met is only shown."""
+    job = crumple.Job.read(bars)
+    job["require"] = REQUIREMENTS
+    changes = {"output.history_interval": 0.001, "output.field_interval": -1}
+
+    def run() -> crumple.Results:
+        return crumple.run(job, out=tmp_path, set=changes, report=False, progress=False)
+
+    for look in (run, lambda: crumple.open(tmp_path)):
+        caplog.clear()
+        with caplog.at_level("WARNING", "crumple"):
+            done = look()
+        assert [one["is_met"] for one in done.requirements] == [False, True]
+        failed, met = (verdict(one) for one in done.requirements)
+        said = [record.getMessage() for record in caplog.records if record.name == "crumple"]
+        assert said.count(failed) == 1 and met not in said
+        assert failed.startswith("FAIL  momentum: ") and failed.endswith("ms (required: below 0)")
+        assert " kg mm/ms at time " in failed
+        assert f"<th>requirements</th><td>{failed}; {met}</td>" in done._repr_html_()
 
 
 def test_a_missing_package_is_named(

@@ -9,6 +9,7 @@ use crate::results::history::{self, Labels};
 use crate::results::table::{CsvTable, Tables, Unwritten};
 use crumple_proto::histories::NodeGroup;
 use crumple_proto::ids::NodeId;
+use crumple_proto::job::ObjectTable;
 use crumple_proto::report::HistoryPart;
 use std::collections::HashMap;
 use std::io;
@@ -59,12 +60,12 @@ impl HistoryFiles {
     ) -> Result<Self, Unwritten> {
         remove_old_files(tables)?;
         let (settings, asked) = (&model.settings, &model.settings.histories);
-        let files = FileOpener { tables, units: Labels::from_units(&model.job.units) };
-        let with_walls = model.job.output.walls && !settings.walls.is_empty();
-        let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
-        let touching = (0..settings.parts.len() as u32)
-            .filter(|&i| touches(settings.parts[i as usize].id))
-            .collect();
+        let units = Labels::from_units(&model.job.units);
+        let open = |table: ObjectTable| {
+            let head = || columns(table, &units).header(&units.time);
+            is_written(model, table).then(|| tables.open(file_name(table), head())).transpose()
+        };
+        let pairs = || tables.open(NAMES[3], contact_pairs(&units).header(&units.time));
         Ok(Self {
             parts: settings.parts.iter().map(|p| (p.id, p.name.clone())).collect(),
             walls: history::wall_names(&settings.walls),
@@ -76,18 +77,17 @@ impl HistoryFiles {
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
             transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
             airbags: settings.loads.airbags.iter().map(|bag| bag.name.clone()).collect(),
-            of_parts: model.job.output.parts.then(|| files.parts()).transpose()?,
-            of_walls: with_walls.then(|| files.walls()).transpose()?,
-            of_contacts: asked.contacts.then(|| files.contacts()).transpose()?,
-            of_nodes: (!asked.nodes.is_empty()).then(|| files.nodes()).transpose()?,
-            of_sections: (!asked.sections.is_empty()).then(|| files.sections()).transpose()?,
-            of_transducers: (!asked.transducers.is_empty())
-                .then(|| files.transducers())
-                .transpose()?,
-            of_airbags: (!settings.loads.airbags.is_empty())
-                .then(|| files.airbags())
-                .transpose()?,
-            touching,
+            of_parts: open(ObjectTable::Parts)?,
+            of_walls: open(ObjectTable::Walls)?,
+            of_contacts: match open(ObjectTable::Contacts)? {
+                Some(parts) => Some((parts, pairs()?)),
+                None => None,
+            },
+            of_nodes: open(ObjectTable::Nodes)?,
+            of_sections: open(ObjectTable::Sections)?,
+            of_transducers: open(ObjectTable::Transducers)?,
+            of_airbags: open(ObjectTable::Airbags)?,
+            touching: touching(model).collect(),
             last_walls: {
                 let (time, mut impulses) =
                     last.map_or((0.0, Vec::new()), |row| (row.time, row.wall_impulse.clone()));
@@ -218,95 +218,134 @@ impl HistoryFiles {
     }
 }
 
-/// Opens the files, each with its columns and their units.
-struct FileOpener<'a> {
-    tables: Tables<'a>,
-    units: Labels,
+/// Returns the name of a file.
+pub fn file_name(table: ObjectTable) -> &'static str {
+    match table {
+        ObjectTable::Parts => NAMES[0],
+        ObjectTable::Walls => NAMES[1],
+        ObjectTable::Contacts => NAMES[2],
+        ObjectTable::Nodes => NAMES[4],
+        ObjectTable::Sections => NAMES[5],
+        ObjectTable::Transducers => NAMES[6],
+        ObjectTable::Airbags => NAMES[7],
+    }
 }
 
-impl FileOpener<'_> {
-    fn open(&self, name: &str, columns: FileColumns<'_>) -> Result<CsvTable, Unwritten> {
-        self.tables.open(name, columns.header(&self.units.time))
+/// Returns true if a run of the job writes the file.
+pub fn is_written(model: &Model, table: ObjectTable) -> bool {
+    let (settings, asked) = (&model.settings, &model.settings.histories);
+    match table {
+        ObjectTable::Parts => model.job.output.parts,
+        ObjectTable::Walls => model.job.output.walls && !settings.walls.is_empty(),
+        ObjectTable::Contacts => asked.contacts,
+        ObjectTable::Nodes => !asked.nodes.is_empty(),
+        ObjectTable::Sections => !asked.sections.is_empty(),
+        ObjectTable::Transducers => !asked.transducers.is_empty(),
+        ObjectTable::Airbags => !settings.loads.airbags.is_empty(),
     }
+}
 
-    fn parts(&self) -> Result<CsvTable, Unwritten> {
-        let (mass, energy) = (self.units.mass.as_str(), self.units.energy.as_str());
-        let scalars =
-            [("mass", mass), ("kinetic", energy), ("internal", energy), ("hourglass", energy)];
-        let columns = FileColumns {
-            words: &["part", "name"],
-            scalars: &scalars,
-            vectors: &[("momentum", &self.units.momentum)],
-        };
-        self.open(NAMES[0], columns)
-    }
+/// Returns the head of the file in a run of the job.
+pub fn head(model: &Model, table: ObjectTable) -> Vec<String> {
+    let units = Labels::from_units(&model.job.units);
+    columns(table, &units).header(&units.time)
+}
 
-    fn walls(&self) -> Result<CsvTable, Unwritten> {
-        let Labels { momentum, force, length, .. } = &self.units;
-        let vectors: [(&str, &str); 3] =
-            [("impulse", momentum), ("mean force", force), ("displacement", length)];
-        self.open(
-            NAMES[1],
-            FileColumns { words: &["wall"], vectors: &vectors, ..FileColumns::default() },
-        )
+/// Returns the number of columns that name the object of a row; they follow the time.
+pub fn words(table: ObjectTable) -> usize {
+    match table {
+        ObjectTable::Parts | ObjectTable::Contacts | ObjectTable::Nodes => 2,
+        ObjectTable::Sections
+        | ObjectTable::Transducers
+        | ObjectTable::Walls
+        | ObjectTable::Airbags => 1,
     }
+}
 
-    fn contacts(&self) -> Result<(CsvTable, CsvTable), Unwritten> {
-        let open = |name: &str, words: &[&str]| {
-            let vectors: [(&str, &str); 1] = [("force", &self.units.force)];
-            self.open(name, FileColumns { words, vectors: &vectors, ..FileColumns::default() })
-        };
-        Ok((open(NAMES[2], &["part", "name"])?, open(NAMES[3], &["on part", "from part"])?))
+/// Returns the words that name each object of the file in a run of the job.
+pub fn objects(model: &Model, table: ObjectTable) -> Vec<Vec<String>> {
+    let (settings, asked) = (&model.settings, &model.settings.histories);
+    let part = |i: usize| vec![settings.parts[i].id.to_string(), settings.parts[i].name.clone()];
+    let nodes = |group: &NodeGroup| {
+        let named = |id: NodeId| vec![group.name.clone(), id.to_string()];
+        by_label(&group.nodes).into_iter().map(named).collect::<Vec<_>>()
+    };
+    match table {
+        ObjectTable::Parts => (0..settings.parts.len()).map(part).collect(),
+        ObjectTable::Contacts => touching(model).map(|i| part(i as usize)).collect(),
+        ObjectTable::Nodes => asked.nodes.iter().flat_map(nodes).collect(),
+        ObjectTable::Walls => {
+            history::wall_names(&settings.walls).into_iter().map(|w| vec![w]).collect()
+        }
+        ObjectTable::Sections => asked.sections.iter().map(|s| vec![s.name.clone()]).collect(),
+        ObjectTable::Transducers => {
+            asked.transducers.iter().map(|t| vec![t.name.clone()]).collect()
+        }
+        ObjectTable::Airbags => {
+            settings.loads.airbags.iter().map(|bag| vec![bag.name.clone()]).collect()
+        }
     }
+}
 
-    fn nodes(&self) -> Result<CsvTable, Unwritten> {
-        let Labels { length, velocity, acceleration, .. } = &self.units;
-        let vectors: [(&str, &str); 3] =
-            [("displacement", length), ("velocity", velocity), ("acceleration", acceleration)];
-        let place = ["x", "y", "z"].map(|axis| (axis, length.as_str()));
-        self.open(
-            NAMES[4],
-            FileColumns { words: &["nodes", "id"], scalars: &place, vectors: &vectors },
-        )
-    }
+/// Returns the indices of the parts in contact.
+fn touching(model: &Model) -> impl Iterator<Item = u32> {
+    let settings = &model.settings;
+    let touches = |id: u32| settings.contact.as_ref().is_some_and(|c| c.takes_part(id));
+    (0..settings.parts.len() as u32).filter(move |&i| touches(settings.parts[i as usize].id))
+}
 
-    fn sections(&self) -> Result<CsvTable, Unwritten> {
-        let Labels { force, moment, length, .. } = &self.units;
-        let vectors: [(&str, &str); 3] = [("force", force), ("moment", moment), ("middle", length)];
-        self.open(
-            NAMES[5],
-            FileColumns { words: &["section"], vectors: &vectors, ..FileColumns::default() },
-        )
+/// Returns the columns of a file.
+fn columns(table: ObjectTable, units: &Labels) -> FileColumns {
+    let Labels { length, velocity, acceleration, momentum, force, moment, mass, energy, .. } =
+        units;
+    let none: [(&str, &str); 0] = [];
+    match table {
+        ObjectTable::Parts => FileColumns::new(
+            &["part", "name"],
+            [("mass", mass), ("kinetic", energy), ("internal", energy), ("hourglass", energy)],
+            [("momentum", momentum)],
+        ),
+        ObjectTable::Walls => FileColumns::new(
+            &["wall"],
+            none,
+            [("impulse", momentum), ("mean force", force), ("displacement", length)],
+        ),
+        ObjectTable::Contacts => FileColumns::new(&["part", "name"], none, [("force", force)]),
+        ObjectTable::Nodes => FileColumns::new(
+            &["nodes", "id"],
+            ["x", "y", "z"].map(|axis| (axis, length)),
+            [("displacement", length), ("velocity", velocity), ("acceleration", acceleration)],
+        ),
+        ObjectTable::Sections => FileColumns::new(
+            &["section"],
+            none,
+            [("force", force), ("moment", moment), ("middle", length)],
+        ),
+        ObjectTable::Transducers => FileColumns::new(&["transducer"], none, [("force", force)]),
+        ObjectTable::Airbags => {
+            let (volume, pressure) = (&format!("{length}^3"), &format!("{force}/{length}^2"));
+            let kelvin = &"K".to_string();
+            let state = [
+                ("volume", volume),
+                ("pressure", pressure),
+                ("temperature", kelvin),
+                ("mass", mass),
+                ("energy", energy),
+                ("mass in", mass),
+                ("mass out", mass),
+                ("enthalpy in", energy),
+                ("enthalpy out", energy),
+                ("work", energy),
+            ];
+            FileColumns::new(&["airbag"], state, none)
+        }
     }
+}
 
-    fn transducers(&self) -> Result<CsvTable, Unwritten> {
-        let columns = FileColumns {
-            words: &["transducer"],
-            vectors: &[("force", &self.units.force)],
-            ..FileColumns::default()
-        };
-        self.open(NAMES[6], columns)
-    }
-
-    fn airbags(&self) -> Result<CsvTable, Unwritten> {
-        let Labels { length, force, mass, energy, .. } = &self.units;
-        let (volume, pressure) = (format!("{length}^3"), format!("{force}/{length}^2"));
-        let scalars = [
-            ("volume", volume.as_str()),
-            ("pressure", pressure.as_str()),
-            ("temperature", "K"),
-            ("mass", mass.as_str()),
-            ("energy", energy.as_str()),
-            ("mass in", mass.as_str()),
-            ("mass out", mass.as_str()),
-            ("enthalpy in", energy.as_str()),
-            ("enthalpy out", energy.as_str()),
-            ("work", energy.as_str()),
-        ];
-        let columns =
-            FileColumns { words: &["airbag"], scalars: &scalars, ..FileColumns::default() };
-        self.open(NAMES[7], columns)
-    }
+/// Returns the columns of the forces between pairs of parts.
+fn contact_pairs(units: &Labels) -> FileColumns {
+    let none: [(&str, &str); 0] = [];
+    FileColumns::new(&["on part", "from part"], none, [("force", &units.force)])
 }
 
 /// Removes the files of an older run, except those that a checkpoint continues.
@@ -321,24 +360,26 @@ fn remove_old_files(tables: Tables<'_>) -> Result<(), Unwritten> {
     Ok(())
 }
 
-/// Columns of a file after the time. Scalars and vectors are names with units.
-#[derive(Default)]
-struct FileColumns<'c> {
-    words: &'c [&'c str],
-    scalars: &'c [(&'c str, &'c str)],
-    vectors: &'c [(&'c str, &'c str)],
-}
+/// Columns of a file after the time.
+struct FileColumns(Vec<String>);
 
-impl FileColumns<'_> {
-    fn header(self, time: &str) -> Vec<String> {
-        let Self { words, scalars, vectors } = self;
-        let mut header = vec![format!("time [{time}]")];
-        header.extend(words.iter().map(|name| name.to_string()));
-        header.extend(scalars.iter().map(|(name, unit)| format!("{name} [{unit}]")));
+impl FileColumns {
+    /// Joins the columns that name the object, and scalars and vectors with their units.
+    fn new<S: AsRef<str>, V: AsRef<str>>(
+        words: &[&str],
+        scalars: impl IntoIterator<Item = (&'static str, S)>,
+        vectors: impl IntoIterator<Item = (&'static str, V)>,
+    ) -> Self {
+        let mut all: Vec<String> = words.iter().map(|name| name.to_string()).collect();
+        all.extend(scalars.into_iter().map(|(name, unit)| format!("{name} [{}]", unit.as_ref())));
         for (name, unit) in vectors {
-            header.extend(["x", "y", "z"].map(|axis| format!("{name} {axis} [{unit}]")));
+            all.extend(["x", "y", "z"].map(|axis| format!("{name} {axis} [{}]", unit.as_ref())));
         }
-        header
+        Self(all)
+    }
+
+    fn header(self, time: &str) -> Vec<String> {
+        std::iter::once(format!("time [{time}]")).chain(self.0).collect()
     }
 }
 

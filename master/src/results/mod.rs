@@ -1,6 +1,7 @@
 //! Results: fields, histories, the summary, the report page and exports for other programs.
 
 pub mod binout;
+pub mod channels;
 pub mod d3plot;
 pub mod exodus;
 pub mod field_file;

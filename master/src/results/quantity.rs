@@ -1,12 +1,14 @@
-//! Numbers from the results of a run: an entry of `summary.json`, a column of `history.csv`, a
-//! field of a part.
+//! Numbers from the results of a run: an entry of `summary.json`, a column of `history.csv` or of a
+//! file with one row per object and time, a field of a part.
 
+use super::channels::{Channels, ObjectFile, bare, filter_error, unit, unknown};
 use super::probe;
 use crate::input::job::Model;
 use crate::results::history;
 use crate::results::summary::{Summary, phases};
-use crumple_proto::job::{ElementReduction, Quantity, RowReduction};
+use crumple_proto::job::{ElementReduction, ObjectTable, Quantity, RowReduction};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Results of a run.
@@ -16,6 +18,31 @@ pub struct RunResults {
     header: Vec<String>,
     rows: Vec<Vec<f64>>,
     folder: PathBuf,
+    /// Files by object of a run that has not begun, or the reason why it will not have them.
+    expected: BTreeMap<ObjectTable, Result<ObjectFile, String>>,
+    /// Interval of histories of such a run [time].
+    interval: f64,
+}
+
+/// Value of a quantity in a run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct QuantityValue {
+    /// The number.
+    pub value: f64,
+    /// Its unit, as far as it is known; empty if not.
+    pub unit: String,
+    /// Time of the row with the smallest or largest value, if it is one of these [time].
+    pub time: Option<f64>,
+    /// Unit of that time; empty without a time.
+    pub unit_of_time: String,
+}
+
+/// A name that no run of a job has.
+pub struct UnknownName {
+    /// Dotted path of its key within the quantity.
+    pub key: String,
+    /// Message with the names that exist.
+    pub why: String,
 }
 
 impl RunResults {
@@ -38,7 +65,8 @@ impl RunResults {
         };
         let rows =
             reader.records().map(|r| r.map(row)).collect::<Result<_, _>>().map_err(cannot)?;
-        Ok(Self { summary, header, rows, folder: folder.to_owned() })
+        let expected = BTreeMap::new();
+        Ok(Self { summary, header, rows, folder: folder.to_owned(), expected, interval: 0.0 })
     }
 
     /// Returns the results of a run of this job without its numbers, so that names can be checked
@@ -46,7 +74,15 @@ impl RunResults {
     pub fn blank(model: &Model) -> Self {
         let summary = Summary { phase_s: phases(&[]), ..Summary::default() };
         let summary = serde_json::to_value(summary).unwrap_or_default();
-        Self { summary, header: history::columns(model), rows: Vec::new(), folder: PathBuf::new() }
+        let table = |&table: &ObjectTable| (table, ObjectFile::of_job(model, table));
+        Self {
+            summary,
+            header: history::columns(model),
+            rows: Vec::new(),
+            folder: PathBuf::new(),
+            expected: ObjectTable::ALL.iter().map(table).collect(),
+            interval: model.settings.history_interval,
+        }
     }
 
     fn in_summary(&self, path: &str) -> Result<f64, String> {
@@ -71,39 +107,52 @@ impl RunResults {
 
     /// Returns the index of a column.
     fn place(&self, name: &str) -> Result<usize, String> {
-        let bare = |h: &str| h.split(" [").next().unwrap_or(h).to_string();
         self.header.iter().position(|h| h == name || bare(h) == name).ok_or_else(|| {
-            let names: Vec<String> = self.header.iter().map(|h| bare(h)).collect();
+            let names: Vec<String> = self.header.iter().map(|h| bare(h).to_string()).collect();
             unknown("history.csv", name, name, &names)
         })
     }
 
-    /// Returns times and values of a column within a time window.
-    fn column(&self, name: &str, window: [f64; 2]) -> Result<Vec<[f64; 2]>, String> {
-        let at = self.place(name)?;
-        let inside = |r: &&Vec<f64>| r[0] >= window[0] && r[0] <= window[1];
-        let rows: Vec<[f64; 2]> = self.rows.iter().filter(inside).map(|r| [r[0], r[at]]).collect();
-        if rows.is_empty() {
-            Err(format!("history.csv has no rows from {} to {}", window[0], window[1]))
-        } else {
-            Ok(rows)
+    fn unit_of_time(&self) -> &str {
+        self.header.first().map_or("", |time| unit(time))
+    }
+
+    /// Returns the values of a column over time.
+    fn channels(&self, q: &Quantity, column: &str) -> Result<Channels, String> {
+        if let (Some(table), Some(of)) = (q.table, &q.of) {
+            let file = ObjectFile::of_run(&self.folder, table)?;
+            return file.read(&self.folder, of, q.relative_to.as_deref(), column);
         }
+        let at = self.place(column)?;
+        Ok(Channels {
+            times: self.rows.iter().map(|row| row[0]).collect(),
+            channels: vec![self.rows.iter().map(|row| row[at]).collect()],
+            unit: unit(&self.header[at]).into(),
+            unit_of_time: self.unit_of_time().into(),
+        })
+    }
+
+    /// Returns the key and the reason of a wrong name or filter of a history, if any.
+    fn wrong_history(&self, q: &Quantity, column: &str) -> Option<(&'static str, String)> {
+        let own = match (q.table, &q.of) {
+            (Some(table), Some(of)) => match self.expected.get(&table) {
+                Some(Ok(file)) => file.wrong_name(of, q.relative_to.as_deref(), column),
+                Some(Err(why)) => Some(("table", why.clone())),
+                None => None,
+            },
+            _ => self.place(column).err().map(|why| ("history", why)),
+        };
+        own.or_else(|| {
+            let why = filter_error(q.filter?, self.unit_of_time(), self.interval)?;
+            Some(("filter", why))
+        })
     }
 }
 
-fn unknown(file: &str, path: &str, key: &str, there: &[String]) -> String {
-    let within = if path == key { String::new() } else { format!(" (in `{path}`)") };
-    let near = there.iter().max_by(|a, b| strsim::jaro(key, a).total_cmp(&strsim::jaro(key, b)));
-    let near = near
-        .filter(|n| strsim::jaro(key, n) > 0.7)
-        .map_or(String::new(), |n| format!("did you mean `{n}`? "));
-    format!("{file} has no `{key}`{within}; {near}there are: {}", there.join(", "))
-}
-
-/// Returns the error in a name that no run of the job has, if any. `blank` is
-/// [`RunResults::blank`].
+/// Returns the error in a name that no run of the job has, or in a filter that its histories do not
+/// suffice for, if any. `blank` is [`RunResults::blank`].
 /// Lists that are empty there, such as that of parts, may have any entry.
-pub fn unknown_name(q: &Quantity, blank: &RunResults) -> Option<String> {
+pub fn unknown_name(q: &Quantity, blank: &RunResults) -> Option<UnknownName> {
     let open = |path: &str| {
         let mut value = &blank.summary;
         path.split('.').any(|key| {
@@ -117,12 +166,21 @@ pub fn unknown_name(q: &Quantity, blank: &RunResults) -> Option<String> {
         })
     };
     let own = match (&q.summary, &q.history, &q.field) {
-        (Some(path), _, _) if !open(path) => blank.in_summary(path).err(),
-        (_, Some(column), _) => blank.place(column).err(),
-        (_, _, Some(field)) => probe::unknown(field, q.component.as_deref()),
+        (Some(path), _, _) if !open(path) => {
+            blank.in_summary(path).err().map(|why| ("summary", why))
+        }
+        (_, Some(column), _) => blank.wrong_history(q, column),
+        (_, _, Some(field)) => {
+            probe::unknown(field, q.component.as_deref()).map(|why| ("field", why))
+        }
         _ => None,
     };
-    own.or_else(|| [&q.minus, &q.over].into_iter().flatten().find_map(|q| unknown_name(q, blank)))
+    let inner = |(key, q): (&str, &Option<Box<Quantity>>)| {
+        let UnknownName { key: below, why } = unknown_name(q.as_ref()?, blank)?;
+        Some(UnknownName { key: format!("{key}.{below}"), why })
+    };
+    own.map(|(key, why)| UnknownName { key: key.into(), why })
+        .or_else(|| [("minus", &q.minus), ("over", &q.over)].into_iter().find_map(inner))
 }
 
 /// Returns its value in a run.
@@ -130,26 +188,63 @@ pub fn unknown_name(q: &Quantity, blank: &RunResults) -> Option<String> {
 /// # Errors
 /// The run does not have it. The message lists the names that exist.
 pub fn value(q: &Quantity, run: &RunResults) -> Result<f64, String> {
+    measure(q, run).map(|measured| measured.value)
+}
+
+/// Returns its value in a run with its unit, and with the time of an extreme.
+///
+/// # Errors
+/// The run does not have it. The message lists the names that exist.
+pub fn measure(q: &Quantity, run: &RunResults) -> Result<QuantityValue, String> {
     let mut result = match (&q.summary, &q.history, &q.field) {
-        (Some(path), _, _) => run.in_summary(path)?,
-        (_, Some(column), _) => in_history(q, &run.column(column, window(q))?)?,
+        (Some(path), _, _) => {
+            QuantityValue { value: run.in_summary(path)?, ..QuantityValue::default() }
+        }
+        (_, Some(column), _) => of_history(q, run.channels(q, column)?)?,
         (_, _, Some(field)) => {
             let values = probe::values(&run.folder, field, q.component.as_deref(), q.part, q.at)?;
-            match q.elements.unwrap_or(ElementReduction::Mean) {
+            let value = match q.elements.unwrap_or(ElementReduction::Mean) {
                 ElementReduction::Mean => values.iter().sum::<f64>() / values.len() as f64,
                 ElementReduction::Min => values.iter().copied().fold(f64::INFINITY, f64::min),
                 ElementReduction::Max => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            }
+            };
+            QuantityValue { value, ..QuantityValue::default() }
         }
         _ => return Err("a quantity needs a source".into()),
     };
     if let Some(minus) = &q.minus {
-        result -= value(minus, run)?;
+        result.value -= value(minus, run)?;
     }
     if let Some(over) = &q.over {
-        result /= value(over, run)?;
+        result.value /= value(over, run)?;
     }
-    Ok(result * q.scale.unwrap_or(1.0))
+    // A ratio or a converted value has another unit.
+    if q.over.is_some() || q.scale.is_some() {
+        result.unit = String::new();
+    }
+    result.value *= q.scale.unwrap_or(1.0);
+    Ok(result)
+}
+
+/// Reduces a history to one number.
+fn of_history(q: &Quantity, channels: Channels) -> Result<QuantityValue, String> {
+    let (unit, unit_of_time) = (channels.unit.clone(), channels.unit_of_time.clone());
+    let [from, to] = window(q);
+    let inside = |row: &[f64; 2]| row[0] >= from && row[0] <= to;
+    let rows: Vec<[f64; 2]> = channels.curve(q.filter)?.into_iter().filter(inside).collect();
+    if rows.is_empty() {
+        return Err(format!("the history has no rows from {from} to {to}"));
+    }
+    let (value, time) = in_history(q, &rows)?;
+    let unit = match q.stat {
+        _ if q.crossing.is_some() => unit_of_time.clone(),
+        Some(RowReduction::Growth) => String::new(),
+        Some(RowReduction::Slope) if unit.is_empty() => format!("1/{unit_of_time}"),
+        Some(RowReduction::Slope) => format!("({unit})/{unit_of_time}"),
+        _ => unit,
+    };
+    let unit_of_time = time.map_or(String::new(), |_| unit_of_time);
+    Ok(QuantityValue { value, unit, time, unit_of_time })
 }
 
 /// Returns the time window of the rows, slightly widened because times in the file are
@@ -160,34 +255,47 @@ fn window(q: &Quantity) -> [f64; 2] {
     [from, q.to.map_or(f64::INFINITY, |t| t + hair(t))]
 }
 
-fn in_history(q: &Quantity, rows: &[[f64; 2]]) -> Result<f64, String> {
+/// Returns the number, and the time of its row if it is an extreme.
+fn in_history(q: &Quantity, rows: &[[f64; 2]]) -> Result<(f64, Option<f64>), String> {
     let between = |a: [f64; 2], b: [f64; 2], s: f64| [0, 1].map(|c| a[c] + s * (b[c] - a[c]));
     if let Some(at) = q.at {
         let last = rows[rows.len() - 1];
         if at < rows[0][0] || at > last[0] * (1.0 + 1e-8) {
             return Err(format!(
-                "history.csv goes from {} to {}, not to {at}",
+                "the history goes from {} to {}, not to {at}",
                 rows[0][0], last[0]
             ));
         }
         let pair = rows.windows(2).find(|w| w[1][0] >= at);
-        return Ok(
-            pair.map_or(last, |w| between(w[0], w[1], (at - w[0][0]) / (w[1][0] - w[0][0])))[1]
-        );
+        let value =
+            pair.map_or(last, |w| between(w[0], w[1], (at - w[0][0]) / (w[1][0] - w[0][0])))[1];
+        return Ok((value, None));
     }
     if let Some(level) = q.crossing {
         let pair = rows
             .windows(2)
             .find(|w| (w[0][1] - level) * (w[1][1] - level) <= 0.0 && w[0][1] != w[1][1]);
         let time = |w: &[[f64; 2]]| between(w[0], w[1], (level - w[0][1]) / (w[1][1] - w[0][1]))[0];
-        return Ok(pair.map_or(f64::NAN, time));
+        return Ok((pair.map_or(f64::NAN, time), None));
     }
     let values = rows.iter().map(|r| r[1]);
-    Ok(match q.stat.unwrap_or(RowReduction::Last) {
+    // The first of equal rows; rows without a number are no extremes.
+    let extreme = |size: fn(f64) -> f64| {
+        let numbers = rows.iter().filter(|row| !row[1].is_nan());
+        let larger = |best: &[f64; 2], row: &[f64; 2]| size(row[1]) > size(best[1]);
+        let best =
+            numbers.copied().reduce(|best, row| if larger(&best, &row) { row } else { best });
+        best.map_or((f64::NAN, None), |[time, value]| (value, Some(time)))
+    };
+    let value = match q.stat.unwrap_or(RowReduction::Last) {
         RowReduction::First => rows[0][1],
         RowReduction::Last => rows[rows.len() - 1][1],
-        RowReduction::Min => values.fold(f64::INFINITY, f64::min),
-        RowReduction::Max => values.fold(f64::NEG_INFINITY, f64::max),
+        RowReduction::Min => return Ok(extreme(|value| -value)),
+        RowReduction::Max => return Ok(extreme(|value| value)),
+        RowReduction::Peak => {
+            let (value, time) = extreme(f64::abs);
+            return Ok((value.abs(), time));
+        }
         RowReduction::Mean if rows.len() == 1 => rows[0][1],
         RowReduction::Mean => {
             let area: f64 =
@@ -203,7 +311,8 @@ fn in_history(q: &Quantity, rows: &[[f64; 2]]) -> Result<f64, String> {
             sum(|t, v| t * v) / sum(|t, _| t * t)
         }
         RowReduction::Growth => values.map(f64::abs).fold(0.0, f64::max) / rows[0][1].abs(),
-    })
+    };
+    Ok((value, None))
 }
 
 #[cfg(test)]
@@ -221,7 +330,8 @@ mod tests {
             "energy": { "error": 0.25, "list": [1.0, 7.0] },
             "reason": "end_time"
         });
-        RunResults { summary, header, rows, folder: PathBuf::new() }
+        let (folder, expected) = (PathBuf::new(), BTreeMap::new());
+        RunResults { summary, header, rows, folder, expected, interval: 0.0 }
     }
 
     #[test]
@@ -232,6 +342,7 @@ mod tests {
             ("history = \"kinetic [J]\"\nat = 1.5", 0.0),
             ("history = \"kinetic\"\nstat = \"min\"", -2.0),
             ("history = \"kinetic\"\nstat = \"max\"\nto = 1.0", 4.0),
+            ("history = \"kinetic\"\nstat = \"peak\"\nfrom = 1.0\nto = 2.0", 2.0),
             ("history = \"kinetic\"\nstat = \"mean\"", (3.0 + 0.0 + 8.0) / 4.0),
             ("history = \"kinetic\"\nstat = \"slope\"\nto = 1.0", -2.0),
             ("history = \"kinetic\"\nstat = \"growth\"", 2.5),
@@ -251,14 +362,37 @@ mod tests {
     }
 
     #[test]
+    fn values_have_units_and_extremes_have_times() {
+        let of = |text: &str| measure(&quantity(text), &run()).unwrap();
+        let value = |value, unit: &str, time: Option<f64>| QuantityValue {
+            value,
+            unit: unit.into(),
+            time,
+            unit_of_time: if time.is_some() { "ms".into() } else { String::new() },
+        };
+        for (text, wanted) in [
+            ("history = \"kinetic\"\nstat = \"max\"", value(10.0, "J", Some(4.0))),
+            ("history = \"kinetic\"\nstat = \"min\"", value(-2.0, "J", Some(2.0))),
+            ("history = \"kinetic\"\nstat = \"peak\"\nfrom = 1.0\nto = 2.0", {
+                value(2.0, "J", Some(1.0))
+            }),
+            ("history = \"kinetic\"", value(10.0, "J", None)),
+            ("history = \"kinetic\"\ncrossing = 1.0", value(1.25, "ms", None)),
+            ("history = \"kinetic\"\nscale = 2.0", value(20.0, "", None)),
+        ] {
+            assert_eq!(of(text), wanted, "{text}");
+        }
+        assert_eq!(of("summary = \"energy.error\"").unit, "");
+    }
+
+    #[test]
     fn a_typo_is_answered_with_what_there_is() {
         let why = |text: &str| value(&quantity(text), &run()).unwrap_err();
         assert!(why("summary = \"energy.eror\"").contains("did you mean `error`?"));
         assert!(why("summary = \"energy\"").contains("it contains: error, list"));
         assert!(why("summary = \"reason\"").contains("not a number"));
         assert!(
-            why("history = \"kinetik\"")
-                .contains("did you mean `kinetic`? there are: time, kinetic")
+            why("history = \"kinetik\"").contains("did you mean `kinetic`? known: time, kinetic")
         );
         assert!(why("history = \"kinetic\"\nat = 5.0").contains("goes from 0 to 4"));
         assert!(

@@ -1,6 +1,6 @@
 //! Requirements of a job: their names are checked before the run, their values after it.
 
-use super::quantity::{self, RunResults};
+use super::quantity::{self, QuantityValue, RunResults, UnknownName};
 use crate::input::job::{Model, Report};
 use crate::results::summary::RequirementResult;
 use crumple_proto::job::Requirement;
@@ -17,8 +17,8 @@ pub fn check_names(model: &Model) -> Result<(), Report> {
     }
     let blank = RunResults::blank(model);
     let problem = |(index, one): (usize, &Requirement)| {
-        let why = quantity::unknown_name(&one.quantity, &blank)?;
-        let path = format!("require.{index}.quantity");
+        let UnknownName { key, why } = quantity::unknown_name(&one.quantity, &blank)?;
+        let path = format!("require.{index}.quantity.{key}");
         let message = format!("requirement `{}`: no run has this quantity", one.name);
         Some(Problem::error(path, message, why))
     };
@@ -33,22 +33,29 @@ pub fn judge(requirements: &[Requirement], out: &Path) -> Vec<RequirementResult>
     }
     let results = RunResults::load(out);
     let judge_one = |one: &Requirement| {
-        let value = match &results {
-            Ok(results) => quantity::value(&one.quantity, results),
+        let measured = match &results {
+            Ok(results) => quantity::measure(&one.quantity, results),
             Err(why) => Err(why.clone()),
         };
-        let is_met = value.as_ref().is_ok_and(|value| one.is_met_by(*value));
+        let is_met = measured.as_ref().is_ok_and(|found| one.is_met_by(found.value));
+        let why = match &measured {
+            Ok(found) if !found.value.is_finite() => "the results do not have the value".into(),
+            Ok(_) => String::new(),
+            Err(why) => why.clone(),
+        };
+        let found = measured.ok().filter(|found| found.value.is_finite());
+        let value = found.as_ref().map(|found| found.value);
+        let QuantityValue { unit, time, unit_of_time, .. } = found.unwrap_or_default();
         RequirementResult {
             name: one.name.clone(),
-            is_met,
+            value,
+            unit,
+            time,
+            unit_of_time,
             below: one.below,
             above: one.above,
-            why: match &value {
-                Ok(value) if !value.is_finite() => "the results do not have the value".into(),
-                Ok(_) => String::new(),
-                Err(why) => why.clone(),
-            },
-            value: value.ok().filter(|value| value.is_finite()),
+            is_met,
+            why,
         }
     };
     requirements.iter().map(judge_one).collect()

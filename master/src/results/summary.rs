@@ -408,12 +408,21 @@ impl Summary {
 }
 
 /// A requirement, and the value that the run has.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RequirementResult {
     /// Name of the requirement.
     pub name: String,
     /// Value; none if it cannot be read from the results.
     pub value: Option<f64>,
+    /// Unit of value and limits; empty if it is not known.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+    /// Time of the row with the value, if it is the smallest or largest one [time].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// Unit of that time.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit_of_time: String,
     /// Largest value that meets the requirement.
     pub below: Option<f64>,
     /// Smallest value that meets the requirement.
@@ -421,7 +430,7 @@ pub struct RequirementResult {
     /// True if the value meets the requirement.
     pub is_met: bool,
     /// Why there is no value; empty if there is one.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub why: String,
 }
 
@@ -429,16 +438,25 @@ impl RequirementResult {
     /// Returns the requirement as a line for the log.
     pub fn line(&self) -> String {
         let verdict = if self.is_met { "PASS" } else { "FAIL" };
-        let limit = |word: &str, limit: Option<f64>| limit.map(|l| format!("{word} {l}"));
-        let limits: Vec<String> = [limit("below", self.below), limit("above", self.above)]
-            .into_iter()
-            .flatten()
-            .collect();
         let value = match self.value {
-            Some(value) => format!("{value:.6e}"),
+            Some(value) => format!("{value:.6e}{}", self.suffix()),
             None => self.why.clone(),
         };
-        format!("{verdict}  {}: {value} (required: {})", self.name, limits.join(", "))
+        format!("{verdict}  {}: {value} (required: {})", self.name, self.limits())
+    }
+
+    /// Returns what follows the value: its unit and the time of an extreme.
+    pub fn suffix(&self) -> String {
+        let spaced = |word: &str| if word.is_empty() { String::new() } else { format!(" {word}") };
+        let time = self.time.map(|t| format!(" at time {t:.4e}{}", spaced(&self.unit_of_time)));
+        spaced(&self.unit) + &time.unwrap_or_default()
+    }
+
+    /// Returns the limits as text.
+    pub fn limits(&self) -> String {
+        let limit = |word: &str, limit: Option<f64>| limit.map(|l| format!("{word} {l}"));
+        let limits = [limit("below", self.below), limit("above", self.above)];
+        limits.into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 }
 

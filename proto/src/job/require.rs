@@ -35,8 +35,24 @@ impl Requirement {
 pub struct Quantity {
     /// Dotted path in `summary.json`, such as `energy.error_max` or `momentum.end.0`.
     pub summary: Option<String>,
-    /// Column of `history.csv`, with or without its unit.
+    /// Column of `history.csv`, or with `table` of the file of that name, with or without its unit.
+    /// In a table also a vector, such as `acceleration`, for its magnitude; with `relative_to`
+    /// nodes also have their `distance` and its `distance change` since the first row.
     pub history: Option<String>,
+    /// File of the column of `history`, if that is not `history.csv`.
+    pub table: Option<ObjectTable>,
+    /// Entry of the table: the name of a part, section, transducer, wall, airbag, or of an
+    /// `[[output.node]]` with one node; the id of a part or node; or name and id of a node, such
+    /// as `head 7`.
+    pub of: Option<String>,
+    /// Entry of the table whose values are subtracted, named as in `of`. The difference of a vector
+    /// is that of its components.
+    pub relative_to: Option<String>,
+    /// Filter of SAE J211-1 for the column of `history`, with zero phase. Components of a vector
+    /// are filtered before its magnitude. Needs `units` of the job, and an
+    /// `output.history_interval` below 0.24 s over the number of the class; the standard asks for
+    /// 0.1 s over it.
+    pub filter: Option<FilterClass>,
     /// Array of the field files, such as `velocity`: the mean over the elements of `part`.
     pub field: Option<String>,
     /// Component of the field: x, y, z, or xx, yy, zz, xy, yz, zx of a tensor. By default the
@@ -66,6 +82,70 @@ pub struct Quantity {
     pub scale: Option<f64>,
 }
 
+/// File with one row per object and time.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum ObjectTable {
+    /// `nodes.csv`: nodes of `[[output.node]]`.
+    Nodes,
+    /// `parts.csv`.
+    Parts,
+    /// `sections.csv`: sections of `[[output.section]]`.
+    Sections,
+    /// `transducers.csv`: force transducers of `[[output.transducer]]`.
+    Transducers,
+    /// `walls.csv`: rigid walls.
+    Walls,
+    /// `contacts.csv`: the contact force on each part.
+    Contacts,
+    /// `airbags.csv`.
+    Airbags,
+}
+
+impl ObjectTable {
+    /// All tables.
+    pub const ALL: [Self; 7] = [
+        Self::Nodes,
+        Self::Parts,
+        Self::Sections,
+        Self::Transducers,
+        Self::Walls,
+        Self::Contacts,
+        Self::Airbags,
+    ];
+}
+
+/// Channel frequency class of SAE J211-1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum FilterClass {
+    /// -3 dB at 100 Hz.
+    #[serde(rename = "CFC 60")]
+    Cfc60,
+    /// -3 dB at 300 Hz.
+    #[serde(rename = "CFC 180")]
+    Cfc180,
+    /// -3 dB at 1000 Hz.
+    #[serde(rename = "CFC 600")]
+    Cfc600,
+    /// -3 dB at 1667 Hz.
+    #[serde(rename = "CFC 1000")]
+    Cfc1000,
+}
+
+impl FilterClass {
+    /// Returns the number of the class: the upper end of its pass band [Hz].
+    pub fn hertz(self) -> f64 {
+        match self {
+            Self::Cfc60 => 60.0,
+            Self::Cfc180 => 180.0,
+            Self::Cfc600 => 600.0,
+            Self::Cfc1000 => 1000.0,
+        }
+    }
+}
+
 /// Reduction of the elements of a part to one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -90,6 +170,8 @@ pub enum RowReduction {
     Min,
     /// Maximum.
     Max,
+    /// Largest magnitude.
+    Peak,
     /// Mean over time by the trapezoidal rule.
     Mean,
     /// Slope of the least squares line [1/time].
@@ -110,6 +192,16 @@ impl Quantity {
         self.part.into_iter().chain(inner).collect()
     }
 
+    /// Returns a time that it names outside of a run to `end_time`, if any.
+    pub fn time_outside(&self, end_time: f64) -> Option<f64> {
+        let own = [self.at, self.from].into_iter().flatten().find(|t| *t > end_time);
+        let own = own.or(self.to.filter(|t| *t < 0.0));
+        let inner = || {
+            [&self.minus, &self.over].into_iter().flatten().find_map(|q| q.time_outside(end_time))
+        };
+        own.or_else(inner)
+    }
+
     /// Returns the error of the quantity as it is written, if any.
     pub fn wrong(&self) -> Option<String> {
         let sources = [self.summary.is_some(), self.history.is_some(), self.field.is_some()];
@@ -126,6 +218,25 @@ impl Quantity {
         let window = self.from.is_some() || self.to.is_some();
         if self.history.is_none() && (self.stat.is_some() || self.crossing.is_some() || window) {
             return Some("`stat`, `crossing`, `from` and `to` belong to history = \"...\"".into());
+        }
+        let of_object = self.table.is_some() || self.of.is_some() || self.relative_to.is_some();
+        if self.history.is_none() && (of_object || self.filter.is_some()) {
+            return Some(
+                "`table`, `of`, `relative_to` and `filter` belong to history = \"...\"".into(),
+            );
+        }
+        if of_object && (self.table.is_none() || self.of.is_none()) {
+            return Some(
+                "`table` and `of` belong together: table = \"nodes\", of = \"head\"".into(),
+            );
+        }
+        if [&self.of, &self.relative_to].into_iter().flatten().any(|name| name.is_empty()) {
+            return Some("give `of` and `relative_to` a name or an id".into());
+        }
+        if let (Some(from), Some(to)) = (self.from, self.to)
+            && from > to
+        {
+            return Some(format!("no time is from {from} to {to}: exchange them"));
         }
         if self.summary.is_some() && self.at.is_some() {
             return Some("summary.json has no times; `at` belongs to history and field".into());
@@ -153,10 +264,19 @@ mod tests {
             "history = \"a\"\npart = 1",
             "summary = \"a\"\nfrom = 1.0",
             "summary = \"a\"\nminus = { at = 1.0 }",
+            "history = \"a\"\ntable = \"nodes\"",
+            "history = \"a\"\nof = \"head\"",
+            "history = \"a\"\ntable = \"walls\"\nof = \"\"",
+            "summary = \"a\"\nfilter = \"CFC 60\"",
+            "summary = \"a\"\ntable = \"nodes\"\nof = \"head\"",
+            "history = \"a\"\nfrom = 2.0\nto = 1.0",
         ] {
             assert!(toml::from_str::<Quantity>(text).unwrap().wrong().is_some(), "{text}");
         }
         assert_eq!(Quantity::summary("cycles").wrong(), None);
+        let late: Quantity =
+            toml::from_str("summary = \"a\"\nover = { history = \"b\", from = 2.0 }").unwrap();
+        assert_eq!((late.time_outside(1.0), late.time_outside(2.0)), (Some(2.0), None));
     }
 
     #[test]

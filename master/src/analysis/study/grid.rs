@@ -84,12 +84,12 @@ impl StudyPlan {
         if let Some(blank) = &keys.blank {
             let of = |m: &Measure| {
                 quantity::unknown_name(&m.quantity, blank)
-                    .map(|why| format!("measure `{}`: {why}", m.name))
+                    .map(|unknown| format!("measure `{}`: {}", m.name, unknown.why))
             };
             wrong.extend(study.measure.iter().filter_map(of));
             wrong.extend(
                 quantity::unknown_name(&study.cost.quantity, blank)
-                    .map(|why| format!("cost: {why}")),
+                    .map(|unknown| format!("cost: {}", unknown.why)),
             );
         }
         let mut reference = Vec::new();

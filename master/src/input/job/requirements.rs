@@ -37,6 +37,16 @@ pub fn check(job: &Job, findings: &mut JobProblems) {
             }
             _ => {}
         }
+        if let Some(time) = one.quantity.time_outside(job.end_time)
+            && job.end_time > 0.0
+        {
+            let help = format!(
+                "the run goes from 0 to end_time = {}, in the unit of time of the job",
+                job.end_time
+            );
+            let message = format!("requirement `{name}`: no row has the time {time}");
+            add(".quantity", message, help);
+        }
         if let Some(why) = one.quantity.wrong() {
             add(".quantity", format!("requirement `{name}`: its quantity cannot be read"), why);
         }

@@ -1,7 +1,7 @@
 //! Crush figures and head injury criteria of a run, for `summary.json`, from the files of its
 //! histories. The report shows the same by default.
 
-mod signal;
+pub(crate) mod signal;
 
 use super::report::histories::ReportHistories;
 use super::report::mass_centres::MASS_CENTRE;
@@ -234,11 +234,16 @@ impl RunHistories {
     }
 }
 
+/// Returns a unit of time in s, if it is known.
+pub(crate) fn seconds(unit: &str) -> Option<f64> {
+    SECONDS.iter().find(|known| known.0 == unit).map(|known| known.1)
+}
+
 /// Returns a unit such as `mm/ms^2` in m/s^2, and its unit of time in s.
 fn acceleration_unit(unit: &str) -> Option<(f64, f64)> {
     let (length, time) = unit.strip_suffix("^2")?.split_once('/')?;
-    let of = |table: &[(&str, f64)], name: &str| table.iter().find(|t| t.0 == name).map(|t| t.1);
-    let (metre, second) = (of(&METRES, length)?, of(&SECONDS, time)?);
+    let metre = METRES.iter().find(|known| known.0 == length).map(|known| known.1)?;
+    let second = seconds(time)?;
     Some((metre / (second * second), second))
 }
 

@@ -3,7 +3,9 @@
 use super::histories::ReportHistories;
 use super::paths::{self, WallPath};
 use super::plots::{ColumnFile, Plots};
+use super::tables::short;
 use super::{single_forces, workers};
+use crate::results::summary::RequirementResult;
 use crate::results::warnings::EngineeringWarning;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -118,15 +120,13 @@ impl RunFiles {
             other => warnings.push(format!("The run {other}: {}", text("reason"))),
         }
         let requirements = summary.get("requirements").and_then(Value::as_array);
-        for one in requirements.into_iter().flatten().filter(|one| one["is_met"] == false) {
-            let value = one["value"].as_f64().map_or("no value".into(), |v| format!("{v:.5}"));
-            let limit = |key: &str| one[key].as_f64().map(|limit| format!("{key} {limit}"));
-            let limits: Vec<String> = ["below", "above"].into_iter().filter_map(limit).collect();
-            warnings.push(format!(
-                "Requirement `{}` is not met: {value} (required: {}).",
-                one["name"].as_str().unwrap_or("?"),
-                limits.join(", ")
-            ));
+        let read = |one: &Value| serde_json::from_value::<RequirementResult>(one.clone()).ok();
+        let all = requirements.into_iter().flatten().filter_map(read);
+        for one in all.filter(|one| !one.is_met) {
+            let value = one.value.map_or("no value".into(), |v| short(v) + &one.suffix());
+            let (name, limits) = (&one.name, one.limits());
+            warnings
+                .push(format!("Requirement `{name}` is not met: {value} (required: {limits})."));
         }
         let error = summary
             .get("energy")
@@ -330,7 +330,8 @@ mod tests {
             r#"{"status": "failed", "reason": "cycle 3: an element inverts",
                 "energy": {"error_max": 0.25}, "end_time": 0.5, "cycles": 3,
                 "units": "mm, ms, kg", "workers": 2, "parts": [{"id": 4, "name": "a<b"}],
-                "requirements": [{"name": "cycles", "value": 3.0, "above": 5.0, "is_met": false},
+                "requirements": [{"name": "cycles", "value": 3.0, "above": 5.0, "is_met": false,
+                                  "unit": "J", "time": 0.25, "unit_of_time": "ms"},
                                  {"name": "nodes", "value": 9.0, "above": 5.0, "is_met": true},
                                  {"name": "peak", "value": null, "below": 2.0, "is_met": false}],
                 "walls": [{"name": "", "point": [0, 0, 1.5], "normal": [0, 0, 1]},
@@ -348,7 +349,7 @@ mod tests {
         let s = RunFiles::read(dir.path());
         let wanted = [
             "The run failed: cycle 3: an element inverts",
-            "Requirement `cycles` is not met: 3.00000 (required: above 5).",
+            "Requirement `cycles` is not met: 3 J at time 2.5000e-1 ms (required: above 5).",
             "Requirement `peak` is not met: no value (required: below 2).",
             "The energy balance has an error of up to 25.0 %; 1 % is usually acceptable.",
             "worker 1: an edge has gone through",
