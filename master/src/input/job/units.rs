@@ -9,6 +9,8 @@ const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=23_000.0;
 /// metal, from lead on [m/s].
 const WAVE_SPEEDS: std::ops::RangeInclusive<f64> = 5.0..=19_000.0;
 const OF_METALS: std::ops::RangeInclusive<f64> = 1000.0..=19_000.0;
+/// Young's moduli, from soft foam to diamond [Pa].
+const MODULI: std::ops::RangeInclusive<f64> = 1e5..=1.3e12;
 /// Largest density of soft materials [kg/m^3].
 const SOFT: f64 = 2600.0;
 
@@ -144,6 +146,13 @@ pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
     density.is_nan()
         || density <= 0.0
         || (DENSITIES.contains(&density) && (wave_speeds(density).contains(&speed) || speed == 0.0))
+}
+
+/// Returns true if a solid of any density can have this Young's modulus [force/length^2] in these
+/// units.
+pub fn modulus_fits(units: &str, youngs_modulus: f64) -> bool {
+    let pascals = read(units).map(|units| youngs_modulus * units.factor([-1, -2, 1]));
+    pascals.is_some_and(|modulus| MODULI.contains(&modulus))
 }
 
 /// Reads `mm, ms, kg` and similar texts; `None` if the text does not name one unit each of
