@@ -107,7 +107,7 @@ pub enum Command {
     /// EXODUS II; the format is recognised by the content. The folder gets a copy of the file and a
     /// job.toml with its parts, materials and sections. Values that the file does not have are
     /// placeholders: the job lists them, and `crumple check` warns of each. A Radioss starter file
-    /// becomes a job that names it as its deck.
+    /// with parts becomes a job that names it as its deck.
     Import(ImportArgs),
     /// Write a job as an LS-DYNA keyword deck that gives the same results when it is read back.
     ExportDeck(ExportArgs),

@@ -316,6 +316,36 @@ fn mesh_files_and_decks_under_each_others_names_are_named() {
     assert!(report.contains("ends in _0000.rad"), "{report}");
 }
 
+/// A starter without parts is a mesh: its job has placeholders and the units of the deck, and runs.
+/// An old version is the only error, because its columns are others.
+#[test]
+fn a_radioss_mesh_without_parts_becomes_a_job_with_placeholders() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("tet").to_string_lossy().into_owned();
+    let file = "tests/meshes/third-party/meshioplusplus/gmsh_tet10_0000.rad";
+    let said = run(crumple_with(&["import", file, "--out", &out])).with_code(0).said();
+    assert!(said.contains("it has no /PART: the job has only its nodes"), "{said}");
+    assert!(said.contains("units        mm, s, tonne: as the file says"), "{said}");
+    assert!(said.contains("placeholders end_time, material.placeholder"), "{said}");
+    let job = fs::read_to_string(Path::new(&out).join("job.toml")).unwrap();
+    for line in [
+        "file = \"gmsh_tet10_0000.rad\"",
+        "id = 3000001",
+        "density = 7.85e-9",
+        "youngs_modulus = 207000.0",
+    ] {
+        assert!(job.contains(line), "{line}: {job}");
+    }
+    run(crumple_with(&["check", &out])).with_code(0);
+
+    let old = meshes().join("third-party/meshioplusplus/old_0000.rad");
+    let problems = read(&old, false, None).err().unwrap();
+    assert_eq!(problems.len(), 1, "{problems:?}");
+    assert!(problems[0].message.contains("the version 44 of the format"), "{problems:?}");
+    let report = job::read(&old, &[]).err().expect("it is too old").to_string();
+    assert!(report.contains("the version 44") && !report.contains("has to be"), "{report}");
+}
+
 /// Formats that are not read are named with a cure, whatever the extension. Names of groups in HDF5
 /// may be anywhere in the file.
 #[test]

@@ -155,6 +155,14 @@ pub fn modulus_fits(units: &str, youngs_modulus: f64) -> bool {
     pascals.is_some_and(|modulus| MODULI.contains(&modulus))
 }
 
+/// Returns density and Young's modulus of mild steel in these units, with four digits
+/// [mass/length^3, force/length^2].
+pub fn steel_in(units: &str) -> Option<[f64; 2]> {
+    let units = read(units)?;
+    let value = |si: f64, powers| format!("{:.3e}", si / units.factor(powers)).parse().ok();
+    Some([value(7850.0, [-3, 0, 1])?, value(207e9, [-1, -2, 1])?])
+}
+
 /// Reads `mm, ms, kg` and similar texts; `None` if the text does not name one unit each of
 /// length, time and mass.
 pub fn read(text: &str) -> Option<Units> {

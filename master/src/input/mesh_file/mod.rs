@@ -399,6 +399,7 @@ fn read_deck(
     let choice = deck::DeckChoice { allow_unsupported, case, ..deck::DeckChoice::default() };
     let found = deck::mesh_of(path, &choice)?;
     reading.mesh = FileMesh::from_mesh(&found.mesh);
+    reading.mesh.units = found.units;
     for (id, name) in found.parts {
         let part = reading.mesh.part_with_id(id, &name);
         reading.mesh.parts[part].name = name;
