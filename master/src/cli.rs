@@ -533,6 +533,9 @@ pub struct ExportArgs {
     /// File for the deck [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replace the file. Without this option, a file that exists is refused.
+    #[arg(long, visible_alias = "force")]
+    pub overwrite: bool,
     /// Changes to the job.
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     pub set: Vec<String>,
