@@ -107,7 +107,7 @@ pub enum Command {
     /// EXODUS II; the format is recognised by the content. The folder gets a copy of the file and a
     /// job.toml with its parts, materials and sections. Values that the file does not have are
     /// placeholders: the job lists them, and `crumple check` warns of each. A Radioss starter file
-    /// becomes a job that names it as its deck.
+    /// with parts becomes a job that names it as its deck.
     Import(ImportArgs),
     /// Write a job as an LS-DYNA keyword deck that gives the same results when it is read back.
     ExportDeck(ExportArgs),
@@ -533,6 +533,9 @@ pub struct ExportArgs {
     /// File for the deck [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replace the file. Without this option, a file that exists is refused.
+    #[arg(long, visible_alias = "force")]
+    pub overwrite: bool,
     /// Changes to the job.
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     pub set: Vec<String>,

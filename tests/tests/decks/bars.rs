@@ -78,6 +78,27 @@ fn exported_bars_give_the_same_bits() {
     }
 }
 
+/// A file that exists is refused and unchanged, unless `--overwrite` is given; file and size are
+/// printed.
+#[test]
+fn an_export_replaces_no_file_without_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let [source, deck] = ["bars.toml", "bars.k"].map(|name| folder.path().join(name));
+    fs::write(&source, job()).unwrap();
+    fs::write(&deck, "own").unwrap();
+    let [source, out] = [&source, &deck].map(|path| path.to_string_lossy().into_owned());
+    let said = run(crumple_with(&["export-deck", &source, "--out", &out])).with_code(2).said();
+    assert!(said.contains("bars.k exists; replace it with --overwrite"), "{said}");
+    assert_eq!(fs::read_to_string(&deck).unwrap(), "own");
+    for option in ["--overwrite", "--force"] {
+        let words = ["export-deck", &source, "--out", &out, option];
+        let said = run(crumple_with(&words)).with_code(0).said();
+        let size = fs::metadata(&deck).unwrap().len() as f64 / 1000.0;
+        assert!(said.contains(&format!("written: {out}, {size:.1} kB\n")), "{said}");
+        assert!(fs::read_to_string(&deck).unwrap().contains("*KEYWORD"), "{said}");
+    }
+}
+
 /// Keys without a card are named, and a section without one is an error.
 #[test]
 fn what_has_no_card_is_named() {

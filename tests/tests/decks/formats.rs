@@ -370,7 +370,8 @@ fn an_exported_job_gives_the_same_digest() {
         ["jeep-frame", "tumble", "block", "twist", "pipe-whip", "beam", "hertz", "panel", "slide"];
     for job in scenes.map(|name| format!("cases/{name}")) {
         let job = job.as_str();
-        program::run(crumple_with(&["export-deck", job, "--out", deck])).with_code(0);
+        program::run(crumple_with(&["export-deck", job, "--out", deck, "--overwrite"]))
+            .with_code(0);
         assert_eq!(digest(job), digest(deck), "{job}");
     }
 }
@@ -441,7 +442,8 @@ fn exported_cards_say_what_other_programs_have_to_know() {
     ] {
         let digest = |job| run(job, &[]);
         let one = digest(job);
-        program::run(crumple_with(&["export-deck", job, "--out", first])).with_code(0);
+        program::run(crumple_with(&["export-deck", job, "--out", first, "--overwrite"]))
+            .with_code(0);
         let text = fs::read_to_string(first).unwrap();
         for card in cards {
             assert!(text.lines().any(|line| line == *card), "{job}: no {card} in\n{text}");
@@ -454,14 +456,15 @@ fn exported_cards_say_what_other_programs_have_to_know() {
         }
         assert_eq!(one, digest(first), "{job}");
         // A second export: names from a deck must not be mistaken for others.
-        program::run(crumple_with(&["export-deck", first, "--out", again])).with_code(0);
+        program::run(crumple_with(&["export-deck", first, "--out", again, "--overwrite"]))
+            .with_code(0);
         assert_eq!(one, digest(again), "{job}, exported twice");
     }
     let sled = "tests/decks/scenes/sled.k";
     let wanted = run(sled, odd.as_flattened());
     assert_ne!(wanted, run(sled, &[]), "the values affect the run");
     program::run(crumple_with(
-        &[&["export-deck", sled, "--out", first], odd.as_flattened()].concat(),
+        &[&["export-deck", sled, "--overwrite", "--out", first], odd.as_flattened()].concat(),
     ))
     .with_code(0);
     assert_eq!(wanted, run(first, &[]));

@@ -596,3 +596,37 @@ fn the_duration_of_an_abaqus_analysis_is_the_end_time() {
         "{said}"
     );
 }
+
+/// Units fit the materials of the file: without a density, Young's modulus alone.
+#[test]
+fn units_follow_from_the_modulus_where_there_is_no_density() {
+    let folder = tempfile::tempdir().unwrap();
+    let imported = |name: &str, text: &str| {
+        let (source, out) = (folder.path().join(format!("{name}.inp")), folder.path().join(name));
+        fs::write(&source, text).unwrap();
+        let [file, to] = [&source, &out].map(|path| path.to_string_lossy().into_owned());
+        let said = run(crumple_with(&["import", &file, "--out", &to])).with_code(0).said();
+        (said, fs::read_to_string(out.join("job.toml")).unwrap())
+    };
+    let block = text_of("made/block.inp");
+    let with = |elastic: &str| format!("{block}*MATERIAL, NAME=STEEL\n*ELASTIC\n{elastic}, 0.3\n");
+    for (name, modulus, units, density) in [
+        ("gpa", "210.", "mm, ms, kg", "density = 7.85e-6"),
+        ("mpa", "210000.", "mm, s, t", "density = 7.85e-9"),
+        ("si", "2.1e11", "m, s, kg", "density = 7850.0"),
+    ] {
+        let (said, job) = imported(name, &with(modulus));
+        assert!(said.contains(&format!("units        {units}: the file has no density")), "{said}");
+        assert!(said.contains("STEEL can have Young's modulus 210"), "{said}");
+        assert!(job.contains(&format!("units = \"{units}\"")) && job.contains(density), "{job}");
+        assert!(job.contains("material.STEEL.density"), "a placeholder: {job}");
+    }
+    // Rubber and steel, and a modulus that no solid has.
+    let rubber = "*MATERIAL, NAME=RUBBER\n*ELASTIC\n5., 0.49\n";
+    let (said, _) = imported("rubber", &(with("210000.") + rubber));
+    assert!(said.contains("units        mm, s, t: the file has no density"), "{said}");
+    let (said, _) = imported("none", &with("1e20"));
+    assert!(said.contains("fit no common units"), "{said}");
+    let (said, _) = imported("dense", &(with("210000.") + "*DENSITY\n7.85e-9\n"));
+    assert!(said.contains("units        mm, s, t: the materials of the file fit"), "{said}");
+}

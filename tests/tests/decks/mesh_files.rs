@@ -316,6 +316,91 @@ fn mesh_files_and_decks_under_each_others_names_are_named() {
     assert!(report.contains("ends in _0000.rad"), "{report}");
 }
 
+/// A starter without parts is a mesh: its job has placeholders and the units of the deck, and runs.
+/// An old version is the only error, because its columns are others.
+#[test]
+fn a_radioss_mesh_without_parts_becomes_a_job_with_placeholders() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("tet").to_string_lossy().into_owned();
+    let file = "tests/meshes/third-party/meshioplusplus/gmsh_tet10_0000.rad";
+    let said = run(crumple_with(&["import", file, "--out", &out])).with_code(0).said();
+    assert!(said.contains("it has no /PART: the job has only its nodes"), "{said}");
+    assert!(said.contains("units        mm, s, tonne: as the file says"), "{said}");
+    assert!(said.contains("placeholders end_time, material.placeholder"), "{said}");
+    let job = fs::read_to_string(Path::new(&out).join("job.toml")).unwrap();
+    for line in [
+        "file = \"gmsh_tet10_0000.rad\"",
+        "id = 3000001",
+        "density = 7.85e-9",
+        "youngs_modulus = 207000.0",
+    ] {
+        assert!(job.contains(line), "{line}: {job}");
+    }
+    run(crumple_with(&["check", &out])).with_code(0);
+
+    let old = meshes().join("third-party/meshioplusplus/old_0000.rad");
+    let problems = read(&old, false, None).err().unwrap();
+    assert_eq!(problems.len(), 1, "{problems:?}");
+    assert!(problems[0].message.contains("the version 44 of the format"), "{problems:?}");
+    let report = job::read(&old, &[]).err().expect("it is too old").to_string();
+    assert!(report.contains("the version 44") && !report.contains("has to be"), "{report}");
+}
+
+/// Formats that are not read are named with a cure, whatever the extension. Names of groups in HDF5
+/// may be anywhere in the file.
+#[test]
+fn formats_that_are_not_read_are_named_with_a_cure() {
+    let folder = tempfile::tempdir().unwrap();
+    let hdf5 = |names: &str| {
+        let mut bytes = b"\x89HDF\r\n\x1a\n".to_vec();
+        bytes.resize(100_000, 0);
+        [&bytes[..], names.as_bytes(), &[0; 64]].concat()
+    };
+    // The control words of a plot of eight nodes, in words of four and of eight bytes.
+    let mut words = [0u64; 64];
+    words[11..23].copy_from_slice(&[1, 0, 0, 0, 4, 8, 6, 20, 0, 1, 1, 0]);
+    let plot4: Vec<u8> = words.iter().flat_map(|&w| (w as u32).to_le_bytes()).collect();
+    let plot8: Vec<u8> = words.iter().flat_map(|&w| w.to_le_bytes()).collect();
+    let other = "HDF5 with other content than EXODUS II, VTKHDF, MED or CGNS";
+    let texts = [
+        ("XDMF", "meshio convert", "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n</Xdmf>\n"),
+        ("Wavefront OBJ", "STL", "# a cube\no cube\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        ("OFF", "STL", "# a triangle\nOFF\n3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+        ("ANSYS CDB", "mapdl-archive", "/COM,ANSYS RELEASE 19.0\n/PREP7\nNBLOCK,6,SOLID,8,8\n"),
+        (
+            "ParaView collection",
+            ".pvtu of a step",
+            "<VTKFile type=\"Collection\">\n<Collection>\n</Collection>\n</VTKFile>\n",
+        ),
+        ("CGNS", "gmsh FILE.cgns", "@(#)ADF Database Version A02011>\n"),
+    ];
+    let mut files: Vec<(&str, &str, Vec<u8>)> = vec![
+        ("MED", "gmsh FILE.med", hdf5("ENS_MAA")),
+        ("CGNS", "gmsh FILE.cgns", hdf5("CGNSLibraryVersion")),
+        ("VTKHDF", ".pvtu of a step", hdf5("VTKHDF")),
+        (other, "export the mesh again", hdf5("data0")),
+        ("LS-DYNA d3plot", "give its deck", plot4),
+        ("LS-DYNA d3plot", "give its deck", plot8),
+    ];
+    files.extend(texts.map(|(format, cure, text)| (format, cure, text.as_bytes().to_vec())));
+    for (format, cure, bytes) in files {
+        for name in ["file", "file.msh", "file.inp"] {
+            let path = folder.path().join(name);
+            fs::write(&path, &bytes).unwrap();
+            let problems = read(&path, false, None).err().expect("it is not read");
+            assert_eq!(problems.len(), 1, "{format}: {problems:?}");
+            let said = format!("{name} is a file of the format {format}");
+            assert!(problems[0].message.ends_with(&said), "{format}: {problems:?}");
+            assert!(problems[0].help.contains(cure), "{format}: {problems:?}");
+        }
+    }
+    // A netCDF-4 file of EXODUS II is one.
+    let path = folder.path().join("model.g");
+    fs::write(&path, hdf5("num_nodes")).unwrap();
+    let problems = read(&path, false, None).err().expect("it is cut");
+    assert!(problems[0].message.contains("cannot be read as netCDF"), "{problems:?}");
+}
+
 /// Elements that are not supported are an error with a cure; with `allowed` they are left out.
 #[test]
 fn unsupported_elements_are_refused_or_left_out() {

@@ -3,6 +3,47 @@
 use super::mesh_details::{changed, good, refused, row, text_of};
 use crumple::input::mesh_file::Fate;
 
+/// A composite that no element has, and its material, are ignored; one that an element has is
+/// refused.
+#[test]
+fn composites_without_elements_are_ignored() {
+    let plate = text_of("broken/plate.bdf");
+    let with = |cards: &str| changed(&plate, "ENDDATA", &format!("{cards}\nENDDATA"));
+    let ply = "MAT8,30,150000.,9000.,.3,4000.\nPCOMP,20\n+,30,.1,0.,,30,.1,90.";
+    let found = good("a.bdf", &with(ply));
+    assert_eq!(row(&found, "PCOMP"), Some((Fate::Ignored, 1)));
+    assert_eq!(row(&found, "MAT8"), Some((Fate::Ignored, 1)));
+    let ids: Vec<u32> = found.mesh.parts.iter().map(|part| part.id).collect();
+    assert_eq!(ids, [7, 8]);
+    let used = changed(&with(ply), "CQUAD4         2       7", "CQUAD4         2      20");
+    refused("a.bdf", &used, ":18: material MAT8 30 is not supported");
+    let used = used.replace("MAT8,30,150000.,9000.,.3,4000.\n", "");
+    refused("a.bdf", &used, ":18: property 20 is a composite");
+    // A material that nothing names is refused, as are all others of its kind.
+    refused("a.bdf", &with("MAT8,30,150000.,9000.,.3,4000."), "material MAT8 30 is not supported");
+}
+
+/// Comments name properties: their own names, or that of the only component of HyperMesh that has
+/// them, by the id of its property or its own.
+#[test]
+fn names_of_hypermesh_are_those_of_parts() {
+    let plate = text_of("broken/plate.bdf");
+    let names = |comments: &str| {
+        let text = changed(&plate, "ENDDATA", &format!("{comments}\nENDDATA"));
+        let found = good("a.bdf", &text);
+        found.mesh.parts.into_iter().map(|part| (part.id, part.name)).collect::<Vec<_>>()
+    };
+    for (comments, plate, bar) in [
+        ("$HMNAME COMP                   7\"skin\" ", "skin", ""),
+        ("$HMNAME COMP 1\"skin\" 7 \"shell\" 4\n$HMNAME COMP 2\"rib\" 8 \"rod\" 1", "skin", "rib"),
+        ("$HMNAME PROP 7\"shell\" 4\n$HMNAME COMP 7\"skin\"", "shell", ""),
+        ("$HMNAME COMP 1\"a\" 7 \"p\" 4\n$HMNAME COMP 2\"b\" 7 \"p\" 4", "", ""),
+        ("$HMNAME COMP 3\"other\"", "", ""),
+    ] {
+        assert_eq!(names(comments), [(7, plate.to_string()), (8, bar.to_string())], "{comments}");
+    }
+}
+
 /// Sets of the bulk data of Nastran are node sets, under the names that comments give them. Those
 /// of elements and of properties have the nodes of their elements.
 #[test]

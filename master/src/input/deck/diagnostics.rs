@@ -33,6 +33,8 @@ pub struct Trouble {
     warned: HashSet<String>,
     /// True if a card could not be read. References to it would be reported as errors.
     unsure: bool,
+    /// The error that makes all other problems void.
+    only: Option<(Problem, Place)>,
     /// Lines with a field that could not be read. Further problems of these lines are suppressed.
     misread: Vec<(u32, u32, u32)>,
 }
@@ -50,6 +52,12 @@ impl Trouble {
             return;
         }
         self.add_error(place, message, help);
+    }
+
+    /// Adds the error that makes all other problems void, those before and after it.
+    pub fn only(&mut self, place: Place, message: impl Into<String>, help: impl Into<String>) {
+        self.unsure = true;
+        self.only = Some((Problem::error("", message, help), place));
     }
 
     /// Reports a field that cannot be read, once for each kind.
@@ -120,7 +128,8 @@ impl Trouble {
 
     /// Returns true if there is an error.
     pub fn has_errors(&self) -> bool {
-        self.list.iter().any(|(problem, _)| problem.severity == Severity::Error)
+        self.only.is_some()
+            || self.list.iter().any(|(problem, _)| problem.severity == Severity::Error)
     }
 
     /// Returns the places of all problems that are stored.
@@ -130,6 +139,9 @@ impl Trouble {
 
     /// Returns all problems. The last one of a kind that occurs often has the number of the others.
     pub(crate) fn into_findings(mut self) -> Vec<PlacedProblem> {
+        if let Some((problem, place)) = self.only {
+            return vec![super::placed(problem, place)];
+        }
         for kind in self.kinds.values().filter(|kind| kind.more > 0) {
             self.list[kind.last].0.message += &format!("; and {} more of this kind", kind.more);
         }

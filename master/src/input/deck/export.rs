@@ -247,6 +247,12 @@ pub fn run(args: &crate::cli::ExportArgs) -> u8 {
         Ok(deck) => deck,
         Err(what) => return refuse(&what),
     };
+    if let Some(path) = args.out.as_ref().filter(|path| std::fs::symlink_metadata(path).is_ok())
+        && !args.overwrite
+    {
+        let ways = "replace it with --overwrite, or choose another file with --out";
+        return refuse(&format_args!("{} exists; {ways}", path.display()));
+    }
     if !left.is_empty() {
         eprintln!("not on cards alone, but in comments that only Crumple reads:");
         left.iter().for_each(|what| eprintln!("  {what}"));
@@ -254,9 +260,12 @@ pub fn run(args: &crate::cli::ExportArgs) -> u8 {
     match &args.out {
         None => crate::stdout::write(format_args!("{text}")),
         Some(path) => {
+            let size = text.len();
             if let Err(error) = std::fs::write(path, text) {
                 return refuse(&format_args!("{} cannot be written: {error}", path.display()));
             }
+            let kilobytes = size as f64 / 1000.0;
+            crate::stdout::write(format_args!("written: {}, {kilobytes:.1} kB\n", path.display()));
         }
     }
     0

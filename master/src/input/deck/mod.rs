@@ -188,6 +188,8 @@ pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
 /// Fates of the content of a deck.
 #[derive(Debug)]
 pub struct DeckFates {
+    /// True if it has parts: without them it is no model, but may have a mesh.
+    pub has_parts: bool,
     /// Its keywords, after its mesh.
     pub rows: Vec<ImportRow>,
     /// Requests and the settings used for them.
@@ -204,6 +206,8 @@ pub struct DeckMesh {
     pub mesh: Mesh,
     /// Ids and names of its parts.
     pub parts: Vec<(u32, String)>,
+    /// Its units, if it states them.
+    pub units: Option<String>,
     /// Its files.
     pub files: Vec<PathBuf>,
     /// Fates of its content.
@@ -236,10 +240,12 @@ pub fn mesh_of(path: &Path, choice: &DeckChoice) -> Result<DeckMesh, Vec<Problem
         Some((id, value.get("name")?.as_str()?.to_string()))
     };
     let parts = tree.get("part").and_then(toml::Value::as_array);
-    let parts = parts.into_iter().flatten().filter_map(part).collect();
+    let parts: Vec<_> = parts.into_iter().flatten().filter_map(part).collect();
+    let units = tree.get("units").and_then(toml::Value::as_str).map(str::to_string);
     let files = deck.files.iter().map(|text| text.path.clone()).collect();
     let Deck { mesh, mapping, unsupported, keywords: rows, .. } = deck;
-    Ok(DeckMesh { mesh, parts, files, table: DeckFates { rows, mapping, unsupported, warnings } })
+    let table = DeckFates { has_parts: !parts.is_empty(), rows, mapping, unsupported, warnings };
+    Ok(DeckMesh { mesh, parts, units, files, table })
 }
 
 /// Reports all unsupported content, once for each kind, and returns the list for the summary.

@@ -60,7 +60,7 @@ pub use model::Model;
 pub use numbering::Renumbered;
 pub use report::{Located, Report, SourceFiles, Spot};
 pub use state::{ElementStart, NodeStart, fastest_wave};
-pub use units::fit as units_fit;
+pub use units::{fit as units_fit, modulus_fits, steel_in};
 pub use validate::nearest;
 
 use crate::input::deck;

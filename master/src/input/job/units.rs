@@ -9,6 +9,8 @@ const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=23_000.0;
 /// metal, from lead on [m/s].
 const WAVE_SPEEDS: std::ops::RangeInclusive<f64> = 5.0..=19_000.0;
 const OF_METALS: std::ops::RangeInclusive<f64> = 1000.0..=19_000.0;
+/// Young's moduli, from soft foam to diamond [Pa].
+const MODULI: std::ops::RangeInclusive<f64> = 1e5..=1.3e12;
 /// Largest density of soft materials [kg/m^3].
 const SOFT: f64 = 2600.0;
 
@@ -144,6 +146,21 @@ pub fn fit(units: &str, density: f64, youngs_modulus: f64) -> bool {
     density.is_nan()
         || density <= 0.0
         || (DENSITIES.contains(&density) && (wave_speeds(density).contains(&speed) || speed == 0.0))
+}
+
+/// Returns true if a solid of any density can have this Young's modulus [force/length^2] in these
+/// units.
+pub fn modulus_fits(units: &str, youngs_modulus: f64) -> bool {
+    let pascals = read(units).map(|units| youngs_modulus * units.factor([-1, -2, 1]));
+    pascals.is_some_and(|modulus| MODULI.contains(&modulus))
+}
+
+/// Returns density and Young's modulus of mild steel in these units, with four digits
+/// [mass/length^3, force/length^2].
+pub fn steel_in(units: &str) -> Option<[f64; 2]> {
+    let units = read(units)?;
+    let value = |si: f64, powers| format!("{:.3e}", si / units.factor(powers)).parse().ok();
+    Some([value(7850.0, [-3, 0, 1])?, value(207e9, [-1, -2, 1])?])
 }
 
 /// Reads `mm, ms, kg` and similar texts; `None` if the text does not name one unit each of

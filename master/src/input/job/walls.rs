@@ -6,10 +6,13 @@ use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, WallInput};
 use crumple_proto::loads::{MotionForm, PrescribedMotion};
-use crumple_proto::mesh::{Mesh, MeshNode};
+use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use crumple_proto::rigid::RigidBody;
 use crumple_proto::wall::{ResolvedWall, WallForm, WallMotion};
+use crumple_worker::constraints::walls::WallSurface;
+use crumple_worker::math::row::V3;
 use std::collections::HashSet;
 
 /// Speed at which a wall expels a node, as a fraction of the wave speed, above which it is
@@ -282,8 +285,9 @@ fn square(wall: &WallInput, normal: &[f64; 3]) -> Option<[f64; 3]> {
     if size > ALONG { unit(across) } else { None }
 }
 
-/// Reports nodes that start behind infinite planes, which expel them in the first step of length
-/// `dt` [time]. A speed of more than a tenth of the wave speed of the materials is an error.
+/// Reports nodes that start behind walls, given the length `dt` of the first step [time]. Infinite
+/// planes expel them: a speed of more than a tenth of the wave speed of the materials is an error.
+/// Cylinders and spheres let them pass. Rectangles do too, but nodes may well be behind them.
 /// Walls that the section `restart` adds are not there at the start.
 pub fn behind(
     job: &Job,
@@ -295,42 +299,68 @@ pub fn behind(
 ) {
     let wave = fastest_wave(job);
     let first = &settings.walls[..settings.walls.len().saturating_sub(job.restart.wall.len())];
-    let held: HashSet<NodeId> = {
-        let throughout = settings.rigid.iter().filter(|b| b.window.is_none());
-        throughout.flat_map(|b| b.nodes.iter().copied()).collect()
-    };
-    let free: Vec<&MeshNode> = mesh
-        .nodes
-        .iter()
-        .zip(&start.fixed)
-        .filter(|(n, f)| **f & 7 != 7 && !held.contains(&n.id))
-        .map(|n| n.0)
-        .collect();
-    for (w, wall) in first.iter().enumerate().filter(|(_, w)| w.form == WallForm::Plane) {
-        let depth =
-            |x: &[f64; 3]| (0..3).map(|c| (wall.point[c] - x[c]) * wall.direction[c]).sum::<f64>();
-        let meets = free.iter().filter(|n| wall.allows(n.id));
-        let deep = meets.map(|n| (depth(&n.x), n.id)).filter(|d| d.0 / dt > WARN_SPEED * wave);
-        let (count, (most, id)) = deep.fold((0, (0.0, NodeId(0))), |(count, most), d| {
-            (count + 1, if d.0 > most.0 { d } else { most })
-        });
-        if count == 0 {
-            continue;
+    let free = (0..mesh.nodes.len()).filter(|&n| start.fixed[n] & 7 != 7);
+    let free: Vec<usize> = free.collect();
+    let bodies = || settings.rigid.iter().filter(|body| body.window.is_none());
+    let members = |body: &RigidBody| body.nodes.clone();
+    let of_bodies: HashSet<NodeId> = bodies().flat_map(members).collect();
+    let of_led_bodies: HashSet<NodeId> = bodies().filter(|b| is_led(b)).flat_map(members).collect();
+    for (w, wall) in first.iter().enumerate() {
+        let (path, name) = (format!("wall.{w}"), wall.label(w));
+        let surface = WallSurface::new(wall);
+        let met = free.iter().filter(|&&n| wall.allows(mesh.nodes[n].id));
+        match wall.form {
+            WallForm::Plane => {
+                let depths = met
+                    .filter(|&&n| !of_bodies.contains(&mesh.nodes[n].id))
+                    .map(|&n| (-surface.distance(&V3::from(mesh.nodes[n].x)), mesh.nodes[n].id));
+                let deep = depths.filter(|d| d.0 / dt > WARN_SPEED * wave);
+                let Some((nodes, id, most)) = deepest(deep) else { continue };
+                let message = format!(
+                    "{nodes} behind wall `{name}`, node {id} by {most:.3e}: \
+                     the first step would expel it with the speed {:.3e}",
+                    most / dt
+                );
+                let help = "move the wall, reverse its normal (it points to the model), or exclude \
+                            these nodes by `nodes` or `except`";
+                findings.add(match most / dt > THROWN * wave {
+                    true => Problem::error(path, message, help),
+                    false => Problem::warning(path, message, help),
+                });
+            }
+            WallForm::Cylinder { .. } | WallForm::Sphere { .. } if wall.acts_at(0.0) => {
+                let meets = met.filter(|&&n| !of_led_bodies.contains(&mesh.nodes[n].id));
+                let deep = meets.filter_map(|&n| {
+                    let speed = V3::from(start.velocity[n]).norm();
+                    let depth = surface.depth_of_ignored(&mesh.nodes[n].x.into(), dt * speed)?;
+                    Some((depth, mesh.nodes[n].id))
+                });
+                let Some((nodes, id, most)) = deepest(deep) else { continue };
+                let message = format!(
+                    "{nodes} inside wall `{name}`, node {id} by {most:.3e}: \
+                     cylinders and spheres stop only nodes from outside, so these pass through it"
+                );
+                let help = "move the wall away, make its `radius` smaller, or exclude these nodes \
+                            by `nodes` or `except` if they are to pass";
+                findings.add(Problem::warning(path, message, help));
+            }
+            _ => {}
         }
-        let message = format!(
-            "{count} nodes start behind wall `{}`, node {id} by {most:.3e}: \
-             the first step would expel it with the speed {:.3e}",
-            wall.name,
-            most / dt
-        );
-        let help = "move the wall, reverse its normal (it points to the model), or exclude these \
-                    nodes by `nodes` or `except`";
-        let path = format!("wall.{w}");
-        findings.add(match most / dt > THROWN * wave {
-            true => Problem::error(path, message, help),
-            false => Problem::warning(path, message, help),
-        });
     }
+}
+
+/// Returns true if a body has no translation that a wall could change.
+fn is_led(body: &RigidBody) -> bool {
+    body.motions.iter().fold(body.fixed, |all, motion| all | motion.dofs) & 7 == 7
+}
+
+/// Returns the number of nodes in words, the deepest node, and its depth [length], if there is any.
+fn deepest(depths: impl Iterator<Item = (f64, NodeId)>) -> Option<(String, NodeId, f64)> {
+    let (count, (most, id)) = depths.fold((0, (0.0, NodeId(0))), |(count, most), d| {
+        (count + 1, if d.0 > most.0 { d } else { most })
+    });
+    let nodes = if count == 1 { "1 node starts".into() } else { format!("{count} nodes start") };
+    (count > 0).then_some((nodes, id, most))
 }
 
 #[cfg(test)]

@@ -122,6 +122,8 @@ pub struct FileMesh {
     pub materials: Vec<FileMaterial>,
     /// End of the analysis, if the file has one [time].
     pub end_time: Option<f64>,
+    /// Units, if the file states them, as in a job.
+    pub units: Option<String>,
 }
 
 impl FileMesh {

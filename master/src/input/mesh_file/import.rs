@@ -41,8 +41,8 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
     }
     let copied = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let copies = copies(&folder, file, &read)?;
-    let text = match read.format.reader {
-        super::FormatReader::Deck => job_text::of_deck(&name, &copied, args.allow_unsupported),
+    let text = match &read.deck {
+        Some(deck) if deck.has_parts => job_text::of_deck(&name, &copied, args.allow_unsupported),
         _ => job_text::write(&job_text::ImportedJob {
             name: &name,
             file: &copied,
@@ -65,6 +65,12 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
         let _ = write!(said, "\n{}", Located { problem: warning.clone(), spot: None });
     }
     let _ = writeln!(said, "\njob          {}", job.display());
+    if of_deck.is_some_and(|deck| !deck.has_parts) {
+        let _ = writeln!(
+            said,
+            "deck         it has no /PART: the job has only its nodes, elements and groups"
+        );
+    }
     if !text.units.is_empty() {
         let _ = writeln!(said, "units        {}", text.units);
     }

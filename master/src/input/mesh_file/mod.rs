@@ -7,7 +7,8 @@
 //!    [`crate::input::exodus`]
 //! 3. `reading.rs`: the file while it is read, its problems with their lines, the table of what
 //!    became of its content; `content.rs`: what all readers return; `cells.rs`: types of cells;
-//!    `boundary.rs`: elements that only bound others
+//!    `boundary.rs`: elements that only bound others; `signatures.rs`: signs of formats that are
+//!    not read
 //! 4. `import.rs`: `crumple import`, which writes a job for a mesh file
 //!
 //! No input may cause a panic here.
@@ -20,6 +21,7 @@ mod gmsh;
 pub mod import;
 mod nastran;
 mod reading;
+mod signatures;
 mod stl;
 mod vtk;
 
@@ -92,6 +94,22 @@ pub const FORMATS: &[MeshFormat] = &[
         recognises: gmsh::recognises,
         reader: Bytes(gmsh::read),
     },
+    refused(
+        "LS-DYNA d3plot",
+        &[],
+        |head, _| signatures::is_d3plot(head),
+        "it has results of a run: give its deck, or save the mesh in LS-PrePost as a keyword file",
+    ),
+    refused(
+        "ParaView collection",
+        &["pvd"],
+        |head, _| {
+            has_line(head, |line| line.contains("<VTKFile"))
+                && has_line(head, |line| line.contains("<Collection"))
+        },
+        "it lists the files of all steps: give the .pvtu of a step, such as \
+         fields/step_000010/fields.pvtu of a run",
+    ),
     MeshFormat {
         name: "VTK XML",
         extensions: &["vtu", "vtp", "pvtu", "pvtp"],
@@ -107,9 +125,41 @@ pub const FORMATS: &[MeshFormat] = &[
     MeshFormat {
         name: "EXODUS II",
         extensions: &["g", "gen", "e", "ex2", "exo", "exodus"],
-        recognises: |head, _| head.starts_with(b"CDF") || head.starts_with(b"\x89HDF"),
+        recognises: |head, _| head.starts_with(b"CDF") || signatures::is_exodus_in_hdf5(head),
         reader: FormatReader::Exodus,
     },
+    refused(
+        "VTKHDF",
+        &["vtkhdf"],
+        |head, _| signatures::is_vtkhdf(head),
+        "of a run of Crumple, give the .pvtu of a step, such as fields/step_000010/fields.pvtu; \
+         save others in ParaView as .vtu",
+    ),
+    refused(
+        "MED",
+        &["med"],
+        |head, _| signatures::is_med(head),
+        "convert it, for example by Gmsh: gmsh FILE.med -save -o FILE.msh",
+    ),
+    refused(
+        "CGNS",
+        &["cgns"],
+        |head, _| signatures::is_cgns(head),
+        "convert it, for example by Gmsh: gmsh FILE.cgns -save -o FILE.msh",
+    ),
+    refused(
+        "HDF5 with other content than EXODUS II, VTKHDF, MED or CGNS",
+        &["h5", "hdf5"],
+        |head, _| signatures::is_hdf5(head),
+        "export the mesh again, for example as .msh or .vtu; if an .xdmf file belongs to it, \
+         convert that: meshio convert FILE.xdmf FILE.vtu",
+    ),
+    refused(
+        "XDMF",
+        &["xdmf", "xmf"],
+        |head, _| has_line(head, |line| line.contains("<Xdmf")),
+        "convert it, for example by the Python package meshio: meshio convert FILE.xdmf FILE.vtu",
+    ),
     refused(
         "LS-DYNA keyword deck",
         &["k", "key", "dyn"],
@@ -142,6 +192,13 @@ pub const FORMATS: &[MeshFormat] = &[
         "export the surface as STL",
     ),
     refused(
+        "Wavefront OBJ",
+        &["obj"],
+        |head, _| signatures::is_obj(head),
+        "export the surface as STL",
+    ),
+    refused("OFF", &["off"], |head, _| signatures::is_off(head), "export the surface as STL"),
+    refused(
         "I-DEAS universal file",
         &["unv"],
         |head, _| has_line(head, |line| line.trim() == "2411" || line.trim() == "2412"),
@@ -153,6 +210,18 @@ pub const FORMATS: &[MeshFormat] = &[
         &["meshb"],
         |head, _| has_line(head, |line| line.trim_start().starts_with("MeshVersionFormatted")),
         "convert it, for example by Gmsh: gmsh FILE.mesh -save -o FILE.msh",
+    ),
+    refused(
+        "ANSYS CDB",
+        &["cdb"],
+        |head, _| {
+            has_line(head, |line| {
+                let line = line.trim_start().to_uppercase();
+                ["NBLOCK,", "EBLOCK,", "/PREP7"].iter().any(|word| line.starts_with(word))
+            })
+        },
+        "convert it, for example by the Python package mapdl-archive: \
+         mapdl_archive.Archive(\"FILE.cdb\").grid.save(\"FILE.vtu\")",
     ),
     MeshFormat {
         name: ABAQUS,
@@ -202,6 +271,13 @@ pub struct ReadMesh {
     pub files: Vec<PathBuf>,
     /// For a deck: what becomes of its content in a job that names it by `mesh.deck`.
     pub deck: Option<DeckFates>,
+}
+
+/// Returns the part of a file by which it is recognised: its begin, and all of an HDF5 file, whose
+/// names may be anywhere.
+fn signature_of(bytes: &[u8]) -> &[u8] {
+    let length = if signatures::is_hdf5(bytes) { bytes.len() } else { bytes.len().min(HEAD) };
+    &bytes[..length]
 }
 
 /// Returns the format of a file by its begin and its length [byte]; `None` if none fits.
@@ -270,8 +346,7 @@ pub fn read(path: &Path, allowed: bool, case: Option<u64>) -> Result<ReadMesh, V
         _ if path.is_dir() => one(format!("{shown} is a folder"), "name a mesh file in it"),
         _ => one(format!("{shown} cannot be read: {error}"), "check its name and permissions"),
     })?;
-    let head = &bytes[..bytes.len().min(HEAD)];
-    let Some(format) = format_of(head, bytes.len()) else {
+    let Some(format) = format_of(signature_of(&bytes), bytes.len()) else {
         let (message, help) = unknown(path, bytes.is_empty());
         return Err(one(message, &help));
     };
@@ -324,6 +399,7 @@ fn read_deck(
     let choice = deck::DeckChoice { allow_unsupported, case, ..deck::DeckChoice::default() };
     let found = deck::mesh_of(path, &choice)?;
     reading.mesh = FileMesh::from_mesh(&found.mesh);
+    reading.mesh.units = found.units;
     for (id, name) in found.parts {
         let part = reading.mesh.part_with_id(id, &name);
         reading.mesh.parts[part].name = name;
@@ -342,7 +418,8 @@ fn warn_of_extension(reading: &mut MeshReading, format: &MeshFormat, path: &Path
             "it is a file of the format {}, by its content; `.{extension}` is for {}",
             format.name, other.name
         );
-        let help = format!("rename it: {} has .{}", format.name, format.extensions[0]);
+        let usual = format.extensions.first().copied().unwrap_or_default();
+        let help = format!("rename it: {} has .{usual}", format.name);
         reading.warning(FilePlace::default(), message, help);
     }
 }

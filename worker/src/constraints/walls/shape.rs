@@ -104,6 +104,16 @@ impl WallSurface {
         self.is_constrained(x, gap, moved).then_some((normal, gap))
     }
 
+    /// Returns the depth [length] of a point at `x` inside a round surface that does not stop it,
+    /// because the point is deeper than it moves in a step, by `moved`.
+    pub fn depth_of_ignored(&self, x: &V3, moved: f64) -> Option<f64> {
+        let depth = -self.distance(x);
+        // Taken to lie on the surface, the point shows if the surface extends to it.
+        let within = self.is_constrained(x, 0.0, moved);
+        (self.radius().is_some() && within && !self.is_constrained(x, -depth, moved))
+            .then_some(depth)
+    }
+
     /// Returns true if a point at `x` with velocity `v` relative to the surface is certainly in
     /// front of it after `dt`: the fast test for nearly all nodes.
     #[inline(always)]

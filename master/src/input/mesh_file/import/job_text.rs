@@ -1,7 +1,7 @@
 //! Text of a job for a mesh file.
 
 use super::super::{FileMaterial, FileMesh, FilePart, FileRate, ReadMesh};
-use crate::input::job::units_fit;
+use crate::input::job::{modulus_fits, steel_in, units_fit};
 use crumple_proto::job::{BeamInput, BeamSection};
 use crumple_proto::mesh::Shape;
 use std::fmt::Write as _;
@@ -41,7 +41,7 @@ const UNITS: [(&str, f64, f64); 4] = [
     ("mm, ms, g", 7.85e-3, 207e3),
 ];
 
-/// Returns the text of a job that has a deck.
+/// Returns the text of a job that has a deck with parts.
 pub fn of_deck(name: &str, file: &str, allowed: bool) -> ImportedText {
     let quoted = Value::from(file);
     let mut job = format!(
@@ -61,7 +61,7 @@ pub fn write(job: &ImportedJob) -> ImportedText {
     if mesh.end_time.is_none() {
         placeholders.push("end_time".to_string());
     }
-    let (units, density, modulus, origin) = units(&mesh.materials);
+    let (units, density, modulus, origin) = units(mesh);
     let body = materials(mesh, (density, modulus), &mut placeholders)
         + &parts(mesh, &mut placeholders)
         + &rigid(mesh)
@@ -95,18 +95,38 @@ fn quoted(text: &str) -> String {
     Value::String(text.into()).to_string()
 }
 
-/// Returns units in which all materials are plausible, with density and modulus of steel, and the
-/// reason.
-fn units(materials: &[FileMaterial]) -> (&'static str, f64, f64, &'static str) {
+/// Returns the units of the file, or units in which all its materials are plausible, with density
+/// and modulus of steel, and the reason. A material with one of density and Young's modulus is
+/// judged by it alone.
+fn units(mesh: &FileMesh) -> (&str, f64, f64, String) {
+    let stated = mesh.units.as_deref();
+    if let Some((units, [density, modulus])) = stated.and_then(|u| Some((u, steel_in(u)?))) {
+        return (units, density, modulus, "as the file says".to_string());
+    }
+    let materials = &mesh.materials;
     let fits = |units: &str| {
-        let known = materials.iter().filter_map(|m| Some((m.density?, m.youngs_modulus?)));
-        known.into_iter().all(|(density, modulus)| units_fit(units, density, modulus))
+        materials.iter().all(|m| match (m.density, m.youngs_modulus) {
+            (Some(density), modulus) => units_fit(units, density, modulus.unwrap_or(0.0)),
+            (None, Some(modulus)) => modulus_fits(units, modulus),
+            (None, None) => true,
+        })
     };
     let found = UNITS.into_iter().find(|(units, ..)| fits(units));
-    let origin = match (found, materials.is_empty()) {
-        (_, true) => "the file has no materials: check that its lengths fit",
-        (Some(_), false) => "the materials of the file fit: check them",
-        (None, false) => "the materials of the file fit no common units: correct them",
+    let has_density = materials.iter().any(|m| m.density.is_some());
+    let by_modulus = materials.iter().find_map(|m| Some((&m.name, m.youngs_modulus?)));
+    let origin = match (found, by_modulus) {
+        _ if materials.is_empty() => {
+            "the file has no materials: check that its lengths fit".to_string()
+        }
+        (None, _) => "the materials of the file fit no common units: correct them".to_string(),
+        (_, None) if !has_density => "the materials of the file have neither density nor Young's \
+                                      modulus: check that its lengths fit"
+            .to_string(),
+        (Some(_), Some((name, modulus))) if !has_density => format!(
+            "the file has no density, and in these units {name} can have Young's modulus \
+             {modulus:?}: check them"
+        ),
+        (Some(_), _) => "the materials of the file fit: check them".to_string(),
     };
     let (units, density, modulus) = found.unwrap_or(UNITS[0]);
     (units, density, modulus, origin)

@@ -94,6 +94,8 @@ pub struct NamedId {
 pub enum NamedKind {
     /// A property.
     Property,
+    /// A component of HyperMesh, with the id of its property; its own id without one.
+    Component,
     /// A set.
     Set(SetKind),
 }
@@ -220,6 +222,12 @@ fn name_in_comment(line: &str) -> Option<NamedId> {
         let (id, name) = rest.split_once('"')?;
         return named(NamedKind::Property, id, name.split('"').next()?);
     }
+    if let Some(rest) = line.strip_prefix("$HMNAME COMP") {
+        let mut pieces = rest.split('"');
+        let (own, name) = (pieces.next()?, pieces.next()?);
+        let of_property = pieces.next().map(str::trim).filter(|id| !id.is_empty());
+        return named(NamedKind::Component, of_property.unwrap_or(own), name);
+    }
     if let Some(rest) = line.strip_prefix("$HMSET ") {
         let (numbers, name) = rest.split_once('"')?;
         let (id, kind) = numbers.trim().split_once(' ')?;
@@ -266,6 +274,8 @@ mod tests {
     fn comments_name_properties_and_sets() {
         for (line, of, id, name) in [
             ("$HMNAME PROP                   3\"rail\" 4", NamedKind::Property, 3, "rail"),
+            ("$HMNAME COMP                   1\"a b\" ", NamedKind::Component, 1, "a b"),
+            ("$HMNAME COMP  1\"a\" 7 \"plate\" 4", NamedKind::Component, 7, "a"),
             ("$ Femap with NX Nastran Property 2 : plate", NamedKind::Property, 2, "plate"),
             ("$HMSET        5        1 \"rim\" 18", NamedKind::Set(SetKind::Nodes), 5, "rim"),
             ("$HMSET        6        2 \"skin\" 18", NamedKind::Set(SetKind::Elements), 6, "skin"),
@@ -273,7 +283,12 @@ mod tests {
             let wanted = NamedId { of, id, name: name.into() };
             assert_eq!(name_in_comment(line), Some(wanted), "{line}");
         }
-        for line in ["$HMNAME COMP 1\"a\"", "$HMSET 5 4 \"a\"", "$HMSETTYPE 5 \"regular\" 18"] {
+        for line in [
+            "$HMNAME MAT 1\"a\"",
+            "$HMNAME COMP 1",
+            "$HMSET 5 4 \"a\"",
+            "$HMSETTYPE 5 \"regular\" 18",
+        ] {
             assert_eq!(name_in_comment(line), None, "{line}");
         }
     }

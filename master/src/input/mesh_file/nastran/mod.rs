@@ -12,9 +12,9 @@ use super::boundary;
 use super::cells::{Cell, CellUse};
 use super::content::{FileNode, FilePlace};
 use super::reading::{Fate, MeshReading};
-use cards::{BulkCard, BulkText, FieldFault, NamedKind};
+use cards::{BulkCard, BulkText, FieldFault, NamedId, NamedKind};
 use crumple_proto::mesh::Shape;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Returns true if a line begins bulk data or is a card of nodes or elements.
 pub fn recognises(head: &[u8], _: usize) -> bool {
@@ -101,6 +101,8 @@ pub struct BulkReader<'a> {
     reading: &'a mut MeshReading,
     /// Names of properties, from comments.
     names: HashMap<u64, String>,
+    /// Properties of elements.
+    used: HashSet<u64>,
     /// Materials by id.
     materials: BTreeMap<u64, properties::BulkMaterial>,
     /// Coordinates of the nodes [length].
@@ -110,11 +112,16 @@ pub struct BulkReader<'a> {
 /// Reads a file.
 pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
     let BulkText { cards, control, names, .. } = cards::cards(reading, bytes);
-    let (properties, sets): (Vec<_>, Vec<_>) =
-        names.into_iter().partition(|named| named.of == NamedKind::Property);
+    let (properties, sets): (Vec<_>, Vec<_>) = names
+        .into_iter()
+        .partition(|named| matches!(named.of, NamedKind::Property | NamedKind::Component));
+    let is_element = |card: &&BulkCard| ELEMENTS.iter().any(|row| row.0 == card.name);
+    // A field that cannot be read is reported with its element.
+    let property = |card: &BulkCard| card.id(1).and_then(|id| Ok(id.or(card.id(0)?))).ok()?;
     let mut reader = BulkReader {
         reading,
-        names: properties.into_iter().map(|named| (named.id, named.name)).collect(),
+        names: names_of_properties(properties),
+        used: cards.iter().filter(is_element).filter_map(property).collect(),
         materials: BTreeMap::new(),
         at: HashMap::new(),
     };
@@ -131,6 +138,23 @@ pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
     reader.add_materials();
     boundary::drop_bounding(reading);
     warn_of_mixed_parts(reading);
+}
+
+/// Returns the names of properties by id: their own, or that of the only component with this
+/// property.
+fn names_of_properties(named: Vec<NamedId>) -> HashMap<u64, String> {
+    let (own, components): (Vec<_>, Vec<_>) =
+        named.into_iter().partition(|named| named.of == NamedKind::Property);
+    let mut names: HashMap<u64, String> = HashMap::new();
+    let mut shared = HashSet::new();
+    for component in components {
+        if names.insert(component.id, component.name).is_some() {
+            shared.insert(component.id);
+        }
+    }
+    names.retain(|id, _| !shared.contains(id));
+    names.extend(own.into_iter().map(|property| (property.id, property.name)));
+    names
 }
 
 /// Warns of each part whose elements are of several kinds: of the cards of properties with its id,

@@ -3,7 +3,9 @@
 use super::BulkReader;
 use super::cards::{BulkCard, FieldFault};
 use crate::input::mesh_file::content::{FileMaterial, FilePlace};
+use crate::input::mesh_file::reading::Fate;
 use crumple_proto::job::{BeamInput, BeamSection};
+use std::collections::HashSet;
 
 /// A material and the place of its card.
 pub struct BulkMaterial {
@@ -20,6 +22,26 @@ pub fn is_property(name: &str) -> bool {
         "PSHELL", "PSOLID", "PCOMP", "PCOMPG", "PROD", "PTUBE", "PBAR", "PBARL", "PBEAM", "PBEAML",
     ];
     KNOWN.contains(&name)
+}
+
+/// Returns true for a composite.
+fn is_composite(card: &BulkCard) -> bool {
+    card.name.starts_with("PCOMP")
+}
+
+/// Returns true if only composites that no element has name a material. Fields with its id that are
+/// no material count too: the material is then reported, as all others are.
+fn is_of_unused_composites(material: &BulkCard, cards: &[BulkCard], used: &HashSet<u64>) -> bool {
+    let id = material.text(0);
+    let names = |card: &&BulkCard| card.fields.iter().skip(1).any(|field| field == id);
+    let is_unused =
+        |card: &BulkCard| card.id(0).ok().flatten().is_some_and(|id| !used.contains(&id));
+    let mut of = cards
+        .iter()
+        .filter(|card| is_property(&card.name) || card.name == "CONROD")
+        .filter(names)
+        .peekable();
+    of.peek().is_some() && of.all(|card| is_composite(card) && is_unused(card))
 }
 
 /// Returns true for cards of materials.
@@ -40,8 +62,12 @@ impl BulkReader<'_> {
             self.error("id", card, "the property has no id".into(), help);
             return Ok(());
         };
+        if is_composite(card) && !self.used.contains(&u64::from(id)) {
+            self.reading.row(Fate::Ignored, card.name.as_str(), 1, "no element has this composite");
+            return Ok(());
+        }
         let part = self.part(id);
-        let material = card.id(1)?.filter(|_| !card.name.starts_with("PCOMP"));
+        let material = card.id(1)?.filter(|_| !is_composite(card));
         if let Some(material) = material {
             if !self.materials.contains_key(&material) {
                 let message = format!("property {id}: there is no material {material}");
@@ -85,6 +111,10 @@ impl BulkReader<'_> {
             match card.name.as_str() {
                 "MAT1" => self.reported(card, Self::elastic),
                 "MATS1" => {}
+                name if is_of_unused_composites(card, cards, &self.used) => {
+                    let became = "no element has a composite with it";
+                    self.reading.row(Fate::Ignored, name, 1, became);
+                }
                 name => {
                     let message = format!("material {name} {} is not supported", card.text(0));
                     let help = "use an isotropic material, MAT1";

@@ -55,7 +55,7 @@ impl<'r, 'a> SetReader<'r, 'a> {
     fn new(reader: &'r mut BulkReader<'a>, names: &[NamedId]) -> Self {
         let of_set = |named: &NamedId| match named.of {
             NamedKind::Set(kind) => Some((named.id, (kind, named.name.clone()))),
-            NamedKind::Property => None,
+            NamedKind::Property | NamedKind::Component => None,
         };
         let names = names.iter().filter_map(of_set).collect();
         let nodes = reader.at.keys().copied().collect();

@@ -54,7 +54,8 @@ impl StarterConverter {
             let message = format!("the deck has the version {version} of the format");
             let help = "its cards have other fields and columns: convert it to version 110 or \
                         later with the starter of Radioss";
-            self.deck.trouble.error(record.place("invers"), message, help);
+            // Fields in other columns would only give misleading errors.
+            self.deck.trouble.only(record.place("invers"), message, help);
         }
         let [mass, length, time] = units_of(record);
         if [&mass, &length, &time].iter().all(|unit| !unit.is_empty()) {

@@ -17,7 +17,7 @@ pub const MODEL: &[Keyword] = &[
             ("wmass:a20 wlength:a20 wtime:a20", Maybe),
         ],
         "`units`: the input units. Numbers are not converted to the work units, so results have \
-         the input units. Versions before 51 have other columns and are an error",
+         the input units. Versions before 110 have other columns and are an error",
     )
     .unused(&[no_effect("irun", "a deck is the begin of a run")]),
     Keyword::new("/TITLE", &[("text:l", Once)], "`title`"),
