@@ -1,5 +1,6 @@
 //! The job as it is written in `job.toml`: plain data. The master reads and checks it.
 
+mod added_mesh;
 mod airbag;
 mod beam;
 mod checkpoint;
@@ -19,6 +20,7 @@ mod tie;
 mod truss;
 mod wall;
 
+pub use added_mesh::{AddedMeshInput, RotationInput};
 pub use airbag::{AirbagInput, InflowInput, VentInput};
 pub use beam::{BeamInput, BeamSection, Weld};
 pub use checkpoint::{Checkpoint, Compression};
@@ -69,7 +71,8 @@ pub struct Job {
     #[serde(default)]
     pub placeholders: Vec<String>,
     /// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
-    /// `shells`, `solids`, `beams`, `springs`, `trusses` or `particles`.
+    /// `shells`, `solids`, `beams`, `springs`, `trusses` or `particles`. `[[mesh.add]]` adds
+    /// further mesh files.
     pub mesh: MeshSource,
     /// Options of the mesh generator.
     #[serde(default)]
@@ -163,7 +166,8 @@ impl Job {
 }
 
 /// Source of the mesh: exactly one of `generator`, `file`, `deck`, `exodus`, or `nodes` with
-/// `shells`, `solids`, `beams`, `springs`, `trusses` or `particles`.
+/// `shells`, `solids`, `beams`, `springs`, `trusses` or `particles`. `[[mesh.add]]` adds further
+/// mesh files.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeshSource {
@@ -193,7 +197,7 @@ pub struct MeshSource {
     /// Case of the deck that is read (`*CASE`, `*CASE_BEGIN_n`); needed if it has several.
     #[serde(default)]
     pub case: Option<u64>,
-    /// Ignore unsupported content of the deck or the mesh file. Without it, unsupported content is
+    /// Ignore unsupported content of the deck or the mesh files. Without it, unsupported content is
     /// an error.
     #[serde(default)]
     pub allow_unsupported: bool,
@@ -241,6 +245,9 @@ pub struct MeshSource {
     /// sets.
     #[serde(default)]
     pub node_sets: BTreeMap<String, Vec<u64>>,
+    /// Mesh files that are added to this mesh, `[[mesh.add]]` for each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub add: Vec<AddedMeshInput>,
 }
 
 /// Settings of the time step.

@@ -1,8 +1,8 @@
 //! Description of a job that `crumple check` prints.
 
 use crate::input::deck::Mapping;
-use crate::input::job::Model;
 use crate::input::job::subcycles::{self, SubcycleClasses};
+use crate::input::job::{AddedMesh, Model};
 use crate::input::mesh_file;
 use crumple_proto::job::{ContactInput, Part};
 use crumple_proto::mesh::Shape;
@@ -68,6 +68,9 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
         writeln!(out, "\nmesh file")?;
         out.push_str(&mesh_file::table(model.mesh_rows()));
     }
+    for added in model.added_meshes() {
+        added_mesh(added, out)?;
+    }
     writeln!(out)?;
     if model.warnings.is_empty() {
         return writeln!(out, "no warnings");
@@ -79,6 +82,26 @@ fn write(model: &Model, out: &mut String) -> std::fmt::Result {
         1 => writeln!(out, "1 warning"),
         n => writeln!(out, "{n} warnings"),
     }
+}
+
+/// Describes a mesh that was added to the mesh: its ids and names in the job, and its content.
+fn added_mesh(added: &AddedMesh, out: &mut String) -> std::fmt::Result {
+    let AddedMesh { file, format, part_offset, id_offset, .. } = added;
+    writeln!(
+        out,
+        "\nadded mesh   {file}: {format}, part_offset {part_offset}, id_offset {id_offset}"
+    )?;
+    for (id, of_job, name) in &added.parts {
+        let name = if name.is_empty() { String::new() } else { format!(" ({name})") };
+        writeln!(out, "  part {id}{name} is part {of_job}")?;
+    }
+    for (old, new) in &added.renamed {
+        writeln!(out, "  node set `{old}` is `{new}`")?;
+    }
+    if !added.rows.is_empty() {
+        out.push_str(&mesh_file::table(&added.rows));
+    }
+    Ok(())
 }
 
 /// Figures of a part.
@@ -168,10 +191,7 @@ fn parts(model: &Model, out: &mut String) -> std::fmt::Result {
 
 /// Returns the mapping of the deck of a job.
 pub fn mapping(model: &Model) -> String {
-    // The content of a mesh file is in its own table.
-    let unsupported =
-        if model.mesh_rows().is_empty() { &model.unsupported[..] } else { Default::default() };
-    mapping_of(&model.mapping, unsupported)
+    mapping_of(&model.mapping, model.unsupported_of_deck())
 }
 
 /// Returns the mapping of a deck: requests and settings used, content left out. Requests with the

@@ -1,12 +1,14 @@
-//! Files of a job: the job file itself, and the mesh from a generator, a file, a deck or the job.
+//! Files of a job: the job file itself, the mesh from a generator, a file, a deck or the job, and
+//! the meshes that are added to it.
 
-use super::report::SourceFile;
-use super::tree::{Node, Place};
+use super::mesh::added::{self, AddedFile};
+use super::report::{PlacedProblem, SourceFile};
+use super::tree::{Node, Place, SyntaxError};
 use super::validate::JobProblems;
 use super::{SourceFiles, mesh, validate};
 use crate::input::{confine, deck, mesh_file};
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{Job, MeshSource};
+use crumple_proto::job::{AddedMeshInput, Job, MeshSource};
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 use std::path::{Path, PathBuf};
@@ -17,8 +19,8 @@ const MISSING: &str = "correct the name, or put the file there; a job for a serv
 /// Largest job or mesh file that is read [byte], because places in it have 32 bits.
 const LARGEST_FILE: u64 = u32::MAX as u64;
 
-/// Reads the mesh from the source that the job names. Reports errors and returns `None` if there
-/// is no mesh to check.
+/// Reads the mesh from the source that the job names, and the meshes that it adds. Reports errors
+/// and returns `None` if there is no mesh to check.
 pub(super) fn read_mesh(
     job: &Job,
     path: &Path,
@@ -29,6 +31,29 @@ pub(super) fn read_mesh(
     if findings.any_faulty_below("mesh") {
         return None;
     }
+    let first = read_first(job, path, deck, sources, findings);
+    let list = &job.mesh.add;
+    let mut is_whole = added::check(list, findings);
+    let read = |(index, input)| read_added(&job.mesh, (index, input), path, sources, findings);
+    let read: Vec<Option<AddedFile>> = list.iter().enumerate().map(read).collect();
+    let mut mesh = first?;
+    for (file, of) in read.into_iter().zip(list.iter().enumerate()) {
+        match file.and_then(|file| mesh.add(file, of, &job.part, findings)) {
+            Some(added) => sources.added.push(added),
+            None => is_whole = false,
+        }
+    }
+    is_whole.then_some(mesh)
+}
+
+/// Reads the mesh from the source that the job names, without those that are added to it.
+fn read_first(
+    job: &Job,
+    path: &Path,
+    deck: Option<deck::Deck>,
+    sources: &mut SourceFiles,
+    findings: &mut JobProblems,
+) -> Option<mesh::PlacedMesh> {
     let given = &job.mesh;
     let own_sets = || {
         let own = given.node_sets.iter();
@@ -100,7 +125,7 @@ fn check_sources(given: &MeshSource, count: usize, findings: &mut JobProblems) -
         };
         let help = format!(
             "{one} mesh.generator, mesh.file, mesh.deck, mesh.exodus, or mesh.nodes with \
-             mesh.shells or mesh.solids"
+             mesh.shells or mesh.solids; [[mesh.add]] adds further mesh files to it"
         );
         findings.add(Problem::error("mesh", message, help));
         return false;
@@ -175,8 +200,21 @@ fn read_toml_mesh(
     };
     sources.mesh_files = vec![file.to_owned()];
     let parsed = Node::parse(&text);
+    sources.mesh = Some(source_of(file, text, &parsed));
+    rows_of(parsed, findings)
+}
+
+/// Returns a mesh file in TOML as a source of problems.
+fn source_of(file: &Path, text: String, parsed: &Result<Node, Vec<SyntaxError>>) -> SourceFile {
     let tree = parsed.as_ref().cloned().unwrap_or_else(|_| Node::table(Place::Whole));
-    sources.mesh = Some(SourceFile { file: file.display().to_string(), text, tree });
+    SourceFile { file: file.display().to_string(), text, tree }
+}
+
+/// Returns the mesh of a file in TOML. Reports errors and returns `None` if it is faulty.
+fn rows_of(
+    parsed: Result<Node, Vec<SyntaxError>>,
+    findings: &mut JobProblems,
+) -> Option<mesh::PlacedMesh> {
     let mut tree = match parsed {
         Ok(tree) => tree,
         Err(errors) => {
@@ -195,6 +233,63 @@ fn read_toml_mesh(
             None
         }
     }
+}
+
+/// Reads a mesh that the job adds. Reports errors and returns `None` if it is faulty.
+fn read_added(
+    given: &MeshSource,
+    (index, input): (usize, &AddedMeshInput),
+    path: &Path,
+    sources: &mut SourceFiles,
+    findings: &mut JobProblems,
+) -> Option<AddedFile> {
+    let key = format!("mesh.add.{index}.file");
+    let path = path.parent().unwrap_or(Path::new("")).join(&input.file);
+    let file = input.file.clone();
+    let mut add = |problem: Problem| findings.add(Problem { path: key.clone(), ..problem });
+    if mesh_file::is_own_format(&path) {
+        sources.mesh_files.push(path.clone());
+        let mesh = added_rows(&path, add)?;
+        let (parts, rows) = Default::default();
+        return Some(AddedFile { file, format: "TOML", mesh, parts, rows });
+    }
+    match mesh_file::read(&path, given.allow_unsupported, None) {
+        Ok(read) => {
+            sources.mesh_files.extend(read.files);
+            read.warnings.into_iter().for_each(&mut add);
+            if read.deck.is_some() {
+                let message = format!(
+                    "{file}: materials, properties, loads and interfaces of the deck are not read"
+                );
+                let help = "write them in the job, or name this file by mesh.deck and add the \
+                            other one to it";
+                add(Problem::warning("", message, help));
+            }
+            let parts = read.mesh.parts.iter().map(|part| (part.id, part.name.clone())).collect();
+            let (format, mesh) = (read.format.name, read.mesh.to_mesh());
+            Some(AddedFile { file, format, mesh, parts, rows: read.rows })
+        }
+        Err(problems) => {
+            problems.into_iter().for_each(add);
+            None
+        }
+    }
+}
+
+/// Reads a mesh in TOML that the job adds. Its problems name the line in this file.
+fn added_rows(path: &Path, mut add: impl FnMut(Problem)) -> Option<Mesh> {
+    let text = load(path).map_err(&mut add).ok()?;
+    let parsed = Node::parse(&text);
+    let source = source_of(path, text, &parsed);
+    let mut found = JobProblems::default();
+    let mesh = rows_of(parsed, &mut found);
+    for PlacedProblem { problem, place, .. } in found.list {
+        let below = problem.path.strip_prefix("mesh.").unwrap_or_default();
+        let line = source.line(place.unwrap_or_else(|| source.tree.locate(below)));
+        let message = format!("{}:{line}: {}", source.file, problem.message);
+        add(Problem { message, ..problem });
+    }
+    mesh.map(|placed| placed.mesh)
 }
 
 /// Returns the job file for a path of the command line.

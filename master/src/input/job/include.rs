@@ -10,9 +10,12 @@ use super::tree::{Entry, Node, NodeContent, Place};
 use super::validate::JobProblems;
 use crate::input::deck;
 use crumple_proto::problem::Problem;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const KEY: &str = "include";
+/// Keys of which each is a whole mesh.
+const MESH_SOURCES: [&str; 5] = ["deck", "exodus", "file", "generator", "nodes"];
 /// Largest number of included files. Each may include the next one.
 const MOST_FILES: usize = 200;
 
@@ -54,10 +57,45 @@ impl IncludeReader<'_> {
         let mut base = Node::table(tree.place);
         for (name, place) in names {
             if let Some(included) = self.read(&name, place, folder, below) {
+                self.warn_of_mesh(&base, &included);
                 base = deck::merge(base, included);
             }
         }
+        self.warn_of_mesh(&base, &tree);
         deck::merge(base, tree)
+    }
+
+    /// Warns if the mesh of a file gives way to that of a file that is merged over it.
+    fn warn_of_mesh(&mut self, base: &Node, over: &Node) {
+        let source = |tree: &Node, key: &str| tree.get("mesh")?.get(key).cloned();
+        let named = |key: &str, node: &Node| match &node.kind {
+            NodeContent::String(name) => format!("mesh.{key} = \"{name}\""),
+            _ => format!("mesh.{key}"),
+        };
+        for key in MESH_SOURCES {
+            let Some(old) = source(base, key) else { continue };
+            // A mesh takes the place of that of a deck. Other sources together are an error.
+            let others = MESH_SOURCES.iter().filter(|_| key == "deck").copied();
+            let keys = std::iter::once(key).chain(others);
+            let mut news = keys.filter_map(|key| Some((key, source(over, key)?)));
+            let Some((winner, new)) = news.next() else { continue };
+            if winner == key && old.to_value() == new.to_value() {
+                continue;
+            }
+            let file = match old.place {
+                Place::Included { file, .. } => self.files.get(file as usize),
+                _ => None,
+            };
+            let file = file.map_or(String::new(), |file| format!(" of {}", file.path.display()));
+            let message = format!(
+                "{}{file} is replaced by {}: a job has one [mesh]",
+                named(key, &old),
+                named(winner, &new)
+            );
+            let help = "to have both meshes, name one of the two files in a [[mesh.add]]; \
+                        otherwise remove the mesh that is replaced";
+            self.findings.add(Problem::warning(format!("mesh.{winner}"), message, help));
+        }
     }
 
     /// Reads an included file, with those that it includes. Returns `None` if it has an error or
@@ -141,11 +179,23 @@ fn rebase(tree: &mut Node, below: &Path) {
     let mesh = entries.get_mut("mesh").map(|entry| &mut entry.node.kind);
     let Some(NodeContent::Table(mesh)) = mesh else { return };
     for key in ["file", "deck", "exodus"] {
-        if let Some(Entry { node: Node { kind: NodeContent::String(name), .. }, .. }) =
-            mesh.get_mut(key)
-        {
-            *name = below.join(&*name).to_string_lossy().into_owned();
+        rebase_key(mesh, key, below);
+    }
+    let added = mesh.get_mut("add").map(|entry| &mut entry.node.kind);
+    let Some(NodeContent::Array(added)) = added else { return };
+    for added in added {
+        if let NodeContent::Table(added) = &mut added.kind {
+            rebase_key(added, "file", below);
         }
+    }
+}
+
+/// Makes the path of a file relative to the folder of the job.
+fn rebase_key(table: &mut BTreeMap<String, Entry>, key: &str, below: &Path) {
+    if let Some(Entry { node: Node { kind: NodeContent::String(name), .. }, .. }) =
+        table.get_mut(key)
+    {
+        *name = below.join(&*name).to_string_lossy().into_owned();
     }
 }
 

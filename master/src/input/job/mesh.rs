@@ -1,9 +1,13 @@
-//! The mesh of a job, from a generator, a file or the job itself, and its checks.
+//! The mesh of a job, from a generator, a file or the job itself, with the meshes that are added to
+//! it, and its checks.
 
+pub mod added;
 mod elements;
 
+use super::report::PlacedProblem;
 use super::validate::JobProblems;
 use crate::input::deck::ListLengths;
+use added::AddedRange;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape, corner_nodes};
@@ -22,6 +26,8 @@ pub struct PlacedMesh {
     pub mesh: Mesh,
     /// Where its entities are written.
     written: Written,
+    /// The meshes that were added to it, in their order.
+    added: Vec<AddedRange>,
 }
 
 /// Where the entities of a mesh are written.
@@ -35,12 +41,12 @@ enum Written {
 impl PlacedMesh {
     /// Creates it from the mesh of a deck, whose elements are ordered by `lists`.
     pub fn of_deck(mesh: Mesh, lists: ListLengths) -> Self {
-        PlacedMesh { mesh, written: Written::Rows(lists) }
+        PlacedMesh { mesh, written: Written::Rows(lists), added: Vec::new() }
     }
 
     /// Creates it from a mesh that a key of the job names.
     pub fn elsewhere(mesh: Mesh, key: &'static str) -> Self {
-        PlacedMesh { mesh, written: Written::Elsewhere(key) }
+        PlacedMesh { mesh, written: Written::Elsewhere(key), added: Vec::new() }
     }
 
     /// Makes the hexahedra of these parts cohesive elements.
@@ -53,6 +59,9 @@ impl PlacedMesh {
     }
 
     fn node_path(&self, index: usize) -> String {
+        if let Some(added) = self.added.iter().rev().find(|a| a.first_node <= index) {
+            return added.key.clone();
+        }
         match self.written {
             Written::Rows(_) => format!("mesh.nodes.{index}"),
             Written::Elsewhere(key) => key.into(),
@@ -60,6 +69,9 @@ impl PlacedMesh {
     }
 
     fn element_path(&self, index: usize) -> String {
+        if let Some(added) = self.added.iter().rev().find(|a| a.first_element <= index) {
+            return added.key.clone();
+        }
         let lists = match &self.written {
             Written::Rows(lists) => lists,
             Written::Elsewhere(key) => return (*key).into(),
@@ -75,6 +87,9 @@ impl PlacedMesh {
     }
 
     fn set_path(&self, name: &str) -> String {
+        if let Some(added) = self.added.iter().find(|a| a.sets.contains(name)) {
+            return added.key.clone();
+        }
         match self.written {
             Written::Rows(_) => format!("mesh.node_sets.{name}"),
             Written::Elsewhere(key) => key.into(),
@@ -182,7 +197,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
     ];
     let rows: usize = lists.iter().map(|list| list.1).sum();
     let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
-    whole.then_some(PlacedMesh { mesh, written: Written::Rows(lists) })
+    whole.then_some(PlacedMesh { mesh, written: Written::Rows(lists), added: Vec::new() })
 }
 
 /// Assigns thicknesses, offsets and angles of their own to shells, from the lists of a job.
@@ -322,6 +337,7 @@ pub type Axes = Vec<(ElemId, [f64; 3])>;
 ///
 /// `parts` are the ids of the job's parts, `None` if the parts have errors.
 pub fn check(read: PlacedMesh, parts: Option<&[u32]>, findings: &mut JobProblems) -> (Mesh, Axes) {
+    let before = findings.list.len();
     let mut few = Few::new(findings);
     let at = check_nodes(&read, &mut few);
     elements::check(&read, &at, parts, &mut few);
@@ -367,6 +383,12 @@ pub fn check(read: PlacedMesh, parts: Option<&[u32]>, findings: &mut JobProblems
             message,
             "remove them from the mesh, or connect them",
         ));
+    }
+    drop(few);
+    for PlacedProblem { problem, .. } in &mut findings.list[before..] {
+        if let Some(added) = read.added.iter().find(|added| added.key == problem.path) {
+            problem.message = format!("{}: {}", added.origin, problem.message);
+        }
     }
     let mut mesh = read.mesh;
     mesh.nodes.retain(|n| used.contains(&n.id));

@@ -6,8 +6,8 @@
 //!    the library of materials; `inline_sets.rs` moves rules of node sets to `[[set]]`
 //! 2. `validate.rs`: unknown keys, types and missing keys, by the schema of
 //!    [`crumple_proto::job::Job`]
-//! 3. `mesh.rs`: the mesh and its checks; `node_sets/`: sets by rule; `numbering.rs`: new numbers
-//!    for badly numbered meshes
+//! 3. `mesh.rs`: the mesh, meshes that are added to it, and its checks; `node_sets/`: sets by rule;
+//!    `numbering.rs`: new numbers for badly numbered meshes
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: materials and elements of the worker;
 //!    `units.rs`
 //! 5. `state.rs`: initial state of nodes and elements, `springs.rs`: stable step of springs;
@@ -56,6 +56,7 @@ mod warnings;
 
 pub use laws::BuiltElements;
 pub(in crate::input) use loads::outer_faces;
+pub use mesh::added::AddedMesh;
 pub use model::Model;
 pub use numbering::Renumbered;
 pub use report::{Located, Report, SourceFiles, Spot};
@@ -64,7 +65,6 @@ pub use units::{fit as units_fit, modulus_fits, steel_in};
 pub use validate::nearest;
 
 use crate::input::deck;
-use crate::input::mesh_file::Fate;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{Job, Part};
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
@@ -157,6 +157,7 @@ fn read_tree(
         included,
         mesh: None,
         mesh_rows: Vec::new(),
+        added: Vec::new(),
         mesh_files: Vec::new(),
         deck: None,
         sets: sets.to_vec(),
@@ -274,8 +275,7 @@ fn build(
     };
     let (tree, job) = read_keys(sources, sets, findings)?;
     let read = read_mesh(&job, path, deck, sources, findings);
-    let left_out = sources.mesh_rows.iter().filter(|row| row.fate == Fate::LeftOut);
-    unsupported.extend(left_out.map(|row| format!("{} {}", row.count, row.what)));
+    unsupported.extend(sources.left_out().map(|row| format!("{} {}", row.count, row.what)));
     let workers_given = tree.get("parallel").is_some_and(|p| p.get("workers").is_some());
     resolve::check(&job, workers_given, findings);
     let mut checked = check_mesh(&job, read, findings);

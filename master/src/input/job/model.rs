@@ -1,5 +1,6 @@
 //! A valid job with its mesh, and what follows from both.
 
+use super::mesh::added::AddedMesh;
 use super::report::{Located, Report, SourceFiles};
 use super::{BuiltElements, ElementStart, NodeStart, Renumbered, state};
 use crate::input::deck;
@@ -56,6 +57,17 @@ impl Model {
     /// Returns what became of the content of a mesh file of another program.
     pub fn mesh_rows(&self) -> &[ImportRow] {
         &self.sources.mesh_rows
+    }
+
+    /// Returns what became of the meshes that were added to the mesh.
+    pub fn added_meshes(&self) -> &[AddedMesh] {
+        &self.sources.added
+    }
+
+    /// Returns the content of a deck that is not supported and was ignored, without that of mesh
+    /// files, which is in their tables.
+    pub fn unsupported_of_deck(&self) -> &[String] {
+        &self.unsupported[..self.unsupported.len() - self.sources.left_out().count()]
     }
 
     /// Returns the files that were read: the job, its meshes and decks, and what all of them

@@ -1,9 +1,10 @@
 //! Problems of a job, shown with the faulty line.
 
 use super::include::IncludedFile;
+use super::mesh::added::AddedMesh;
 use super::tree::{Node, Place};
 use crate::input::deck;
-use crate::input::mesh_file::ImportRow;
+use crate::input::mesh_file::{Fate, ImportRow};
 use crumple_proto::problem::{Problem, Severity};
 use std::fmt;
 use std::path::PathBuf;
@@ -34,7 +35,9 @@ pub struct SourceFiles {
     pub(crate) mesh: Option<SourceFile>,
     /// The table of the content of a mesh file of another program.
     pub(crate) mesh_rows: Vec<ImportRow>,
-    /// Files of the mesh.
+    /// The meshes that were added to the mesh.
+    pub(crate) added: Vec<AddedMesh>,
+    /// Files of the meshes.
     pub(crate) mesh_files: Vec<PathBuf>,
     pub(crate) deck: Option<DeckSource>,
     pub(crate) sets: Vec<String>,
@@ -192,6 +195,12 @@ impl fmt::Display for Located {
 }
 
 impl SourceFiles {
+    /// Returns the content of mesh files that is left out though it changes the result.
+    pub(crate) fn left_out(&self) -> impl Iterator<Item = &ImportRow> {
+        let added = self.added.iter().flat_map(|added| &added.rows);
+        self.mesh_rows.iter().chain(added).filter(|row| row.fate == Fate::LeftOut)
+    }
+
     /// Finds the line of a problem from its path.
     pub fn locate(&self, problem: &Problem) -> Located {
         self.show(PlacedProblem::from(problem.clone()))
@@ -236,6 +245,15 @@ impl SourceFiles {
 }
 
 impl SourceFile {
+    /// Returns the line of a place of this file, from 1.
+    pub(crate) fn line(&self, place: Place) -> usize {
+        let start = match place {
+            Place::File { start, .. } => start as usize,
+            _ => 0,
+        };
+        1 + self.text.bytes().take(start).filter(|&byte| byte == b'\n').count()
+    }
+
     fn spot(&self, start: usize, end: Option<usize>) -> Spot {
         spot(&self.file, &self.text, start, end)
     }

@@ -342,7 +342,8 @@ pub fn elements(
         findings.add(Problem::error("time.mass_scaling_dt", message, help));
     }
     if start.stable_dt.iter().all(|dt| dt.is_infinite()) && settings.dt_max == 0.0 {
-        let help = "add dt_max to [time]: rigid bodies and parts with skin = true set no time step";
+        let help = "add dt_max to [time]: rigid bodies and parts with skin = true set no time \
+                    step; or add a mesh that deforms, by [[mesh.add]]";
         findings.add(Problem::error("time", "all elements are rigid or have skin = true", help));
     }
     if let (count, Some(first)) = massless {

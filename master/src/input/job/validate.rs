@@ -70,8 +70,10 @@ pub fn job(tree: &mut Node, findings: &mut JobProblems) {
 pub fn mesh_file(tree: &mut Node, findings: &mut JobProblems) {
     findings.in_mesh_file = true;
     walk(tree, &SCHEMA["$defs"]["MeshSource"], "mesh", findings);
-    for key in ["file", "generator", "exodus"].into_iter().filter(|key| tree.get(key).is_some()) {
-        let message = format!("a mesh file cannot have a `{key}`");
+    for key in
+        ["file", "generator", "exodus", "add"].into_iter().filter(|key| tree.get(key).is_some())
+    {
+        let message = format!("a mesh file cannot have the key `{key}`");
         findings.add_faulty(
             Problem::error(
                 join("mesh", key),

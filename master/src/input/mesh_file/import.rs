@@ -82,6 +82,7 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
         let _ = writeln!(said, "placeholders {}", text.placeholders.join(", "));
     }
     let _ = writeln!(said, "next         {first}crumple check {}", folder.display());
+    said += &text.to_add;
     Ok(said)
 }
 

@@ -164,8 +164,8 @@ pub const FORMATS: &[MeshFormat] = &[
         "LS-DYNA keyword deck",
         &["k", "key", "dyn"],
         |head, _| sniff::is_ls_dyna(head),
-        "name it by mesh.deck of a job; or run it as it is, under a name that ends in .k, .key or \
-         .dyn: crumple run FILE.k",
+        "name it by mesh.deck of a job, to which [[mesh.add]] adds other meshes; or run it as it \
+         is, under a name that ends in .k, .key or .dyn: crumple run FILE.k",
     ),
     MeshFormat {
         name: "Radioss starter",

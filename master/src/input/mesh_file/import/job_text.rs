@@ -27,6 +27,8 @@ pub struct ImportedText {
     pub placeholders: Vec<String>,
     /// Units of the job, and why; empty with a deck.
     pub units: String,
+    /// How to add the mesh to that of another job, if all of it is rigid; empty otherwise.
+    pub to_add: String,
 }
 
 /// Name of the material of parts for which the file has none.
@@ -51,7 +53,7 @@ pub fn of_deck(name: &str, file: &str, allowed: bool) -> ImportedText {
     if allowed {
         job += "allow_unsupported = true\n";
     }
-    ImportedText { job, placeholders: Vec::new(), units: String::new() }
+    ImportedText { job, placeholders: Vec::new(), units: String::new(), to_add: String::new() }
 }
 
 /// Returns the text of the job.
@@ -88,7 +90,51 @@ pub fn write(job: &ImportedJob) -> ImportedText {
     for (name, ids) in &mesh.node_sets {
         let _ = writeln!(out, "# node set {}: {} nodes", quoted(name), ids.len());
     }
-    ImportedText { job: out + &body, placeholders, units: format!("{units}: {origin}") }
+    let to_add = to_add(mesh, job.file);
+    if !to_add.is_empty() {
+        let comments = to_add.lines().map(|line| format!("# {line}").trim_end().to_string() + "\n");
+        out.extend(std::iter::once("\n".to_string()).chain(comments.skip(1)));
+    }
+    ImportedText { job: out + &body, placeholders, units: format!("{units}: {origin}"), to_add }
+}
+
+/// Number that is added to the ids of parts in the example of a mesh that is added.
+const PART_OFFSET: u32 = 1000;
+
+/// Returns how to add a mesh to that of another job, if all of it is rigid: alone it sets no time
+/// step.
+fn to_add(mesh: &FileMesh, file: &str) -> String {
+    if mesh.parts.iter().any(|part| !part.rigid) {
+        return String::new();
+    }
+    let mut out = format!(
+        "\nAll of the mesh is rigid, so that it sets no time step: a job of it alone needs dt_max\n\
+         in [time]. To let it meet another mesh, copy the file to the job of that mesh, and add\n\
+         there:\n\n\
+         [[mesh.add]]\n\
+         file = {}\n\
+         part_offset = {PART_OFFSET}\n\
+         # scale = 0.001               # for a file in mm in a job in m\n\
+         # move = [0.0, 0.0, 100.0]\n",
+        quoted(file)
+    );
+    for part in &mesh.parts {
+        let id = part.id.saturating_add(PART_OFFSET);
+        let name = name_of(part);
+        let name = quoted(&name);
+        let _ = writeln!(
+            out,
+            "\n[[part]]\nid = {id}\nname = {name}\nmaterial = \"MATERIAL\"         # of that job\n\
+             thickness = 1.0\n\n[[rigid]]\nname = {name}\nparts = [{id}]\n\
+             # mass = 1.0                  # of the whole body"
+        );
+    }
+    out
+}
+
+/// Returns the name of a part; one with its id if it has none.
+fn name_of(part: &FilePart) -> String {
+    if part.name.is_empty() { format!("part-{}", part.id) } else { part.name.clone() }
 }
 
 fn quoted(text: &str) -> String {
@@ -287,9 +333,8 @@ fn beam_section(beam: Option<&BeamInput>, thickness: f64) -> String {
 fn rigid(mesh: &FileMesh) -> String {
     let mut out = String::new();
     for part in mesh.parts.iter().filter(|part| part.rigid) {
-        let name =
-            if part.name.is_empty() { format!("part-{}", part.id) } else { part.name.clone() };
-        let _ = writeln!(out, "\n[[rigid]]\nname = {}\nparts = [{}]", quoted(&name), part.id);
+        let name = quoted(&name_of(part));
+        let _ = writeln!(out, "\n[[rigid]]\nname = {name}\nparts = [{}]", part.id);
         let _ = writeln!(out, "# mass = 1.0                  # of the whole body");
     }
     out
