@@ -67,7 +67,9 @@ impl IncludeReader<'_> {
 
     /// Warns if the mesh of a file gives way to that of a file that is merged over it.
     fn warn_of_mesh(&mut self, base: &Node, over: &Node) {
-        let source = |tree: &Node, key: &str| tree.get("mesh")?.get(key).cloned();
+        fn source<'t>(tree: &'t Node, key: &str) -> Option<&'t Node> {
+            tree.get("mesh")?.get(key)
+        }
         let named = |key: &str, node: &Node| match &node.kind {
             NodeContent::String(name) => format!("mesh.{key} = \"{name}\""),
             _ => format!("mesh.{key}"),
@@ -89,8 +91,8 @@ impl IncludeReader<'_> {
             let file = file.map_or(String::new(), |file| format!(" of {}", file.path.display()));
             let message = format!(
                 "{}{file} is replaced by {}: a job has one [mesh]",
-                named(key, &old),
-                named(winner, &new)
+                named(key, old),
+                named(winner, new)
             );
             let help = "to have both meshes, name one of the two files in a [[mesh.add]]; \
                         otherwise remove the mesh that is replaced";

@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn ids_and_names_are_those_of_no_other_mesh() {
         let keys = "[[set]]\nname = \"low\"\nrule = \"nearest\"\npoint = [0.0, 0.0, 9.0]\n\
-                    of = \"1001\"\n\
+                    of = \"tip\"\n\
                     [[mesh.add]]\nfile = \"a.stl\"\nmove = [0.0, 0.0, 9.0]\n\
                     [[mesh.add]]\nfile = \"a.stl\"\nmove = [0.0, 0.0, 50.0]\n\
                     [[mesh.add]]\nfile = \"a.stl\"\nname = \"last\"\nmove = [0.0, 0.0, 90.0]\n\
@@ -394,7 +394,7 @@ mod tests {
             "added mesh   a.stl: STL, part_offset 50, id_offset 500",
             "node set `tip` is `last.tip`",
         ];
-        assert_says(&said, &[&[first], &others[..]].concat());
+        assert_says(&said, &[&[first][..], &others].concat());
         assert_eq!(model.files().iter().filter(|file| file.ends_with("a.stl")).count(), 1);
     }
 
