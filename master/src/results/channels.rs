@@ -332,8 +332,7 @@ mod tests {
             let t = f64::from(i) * 0.01;
             let wave = (TAU * 0.3 * t).sin();
             let fall = 0.1 * t;
-            writeln!(text, "{t:.9e},head,7,30,{y},0,{},{},0", 2.0 * wave, 1.5 * wave, y = 40.0)
-                .unwrap();
+            writeln!(text, "{t:.9e},head,7,30,40,0,{},{},0", 2.0 * wave, 1.5 * wave).unwrap();
             writeln!(text, "{t:.9e},foot,8,{},{},0,0,0,0", 0.6 * fall, 0.8 * fall).unwrap();
             writeln!(text, "{t:.9e},rail,9,0,0,0,0,0,0\n{t:.9e},rail,11,0,0,0,0,0,0").unwrap();
         }
