@@ -172,7 +172,7 @@ class Report:
 
 
 def verdict(requirement: dict[str, Any]) -> str:
-    """Returns a requirement as the program prints it: `FAIL  name: value (required: limits)`."""
+    """Returns a requirement as one line: `FAIL  name: value unit (required: limits)`."""
     word = "PASS" if requirement["is_met"] else "FAIL"
     value = requirement["value"]
     if value is None:
