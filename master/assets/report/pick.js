@@ -97,7 +97,7 @@ class Picker {
     return normals[0]?.length() > 0 ? normals[0].normalize() : null;
   }
 
-  /** The largest distance between two corners of the picked element; 0 for a node. */
+  /** The largest distance of a corner of the picked element from its first one; 0 for a node. */
   size() {
     const places = this.faces().flat();
     return Math.max(0, ...places.map((place) => place.distanceTo(places[0])));

@@ -111,6 +111,8 @@ class Job(MutableMapping[str, Any]):
         for key in FILES:
             if key in mesh:
                 mesh[key] = moved_to(mesh[key])
+        for added in mesh.get("add", []):
+            added["file"] = moved_to(added["file"])
         if "include" in moved._table:
             moved._table["include"] = [moved_to(name) for name in moved._table["include"]]
         path.write_text(moved.toml(), encoding="utf-8")

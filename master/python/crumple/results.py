@@ -48,7 +48,7 @@ class Results:
 
     @property
     def warnings(self) -> list[str]:
-        """What to look at before the results are used: a line each, as `crumple run` prints it."""
+        """What to look at before the results are used, a line each: time, part, place and cure."""
         return [_line(one) for one in self.summary["warnings"]]
 
     @property

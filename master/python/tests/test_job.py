@@ -16,6 +16,18 @@ def test_a_job_is_written_as_it_was_read(bars: Path, tmp_path: Path) -> None:
     assert job.problems() == []
 
 
+def test_files_of_a_job_are_found_from_its_new_folder(tmp_path: Path) -> None:
+    """Names of mesh files, also of added ones, hold in the folder of the written job."""
+    there = tmp_path / "there"
+    there.mkdir()
+    text = 'end_time = 1.0\n[mesh]\nfile = "p.msh"\n[[mesh.add]]\nfile = "a.stl"\n'
+    (there / "job.toml").write_text(text)
+    written = crumple.Job.read(there / "job.toml").write(tmp_path / "here" / "job.toml")
+    mesh = crumple.Job.read(written)["mesh"]
+    assert mesh["file"] == "../there/p.msh"
+    assert mesh["add"][0]["file"] == "../there/a.stl"
+
+
 def test_a_wrong_key_or_type_is_refused_when_it_is_set(bars: Path) -> None:
     """The error has the key, and the job is unchanged."""
     job = crumple.Job.read(bars)

@@ -213,10 +213,18 @@ pub fn measure(q: &Quantity, run: &RunResults) -> Result<QuantityValue, String> 
         _ => return Err("a quantity needs a source".into()),
     };
     if let Some(minus) = &q.minus {
-        result.value -= value(minus, run)?;
+        let other = measure(minus, run)?;
+        result.value -= other.value;
+        if other.unit != result.unit {
+            result.unit = String::new();
+        }
     }
     if let Some(over) = &q.over {
         result.value /= value(over, run)?;
+    }
+    // A result of two quantities has no time of its own.
+    if q.minus.is_some() || q.over.is_some() {
+        (result.time, result.unit_of_time) = (None, String::new());
     }
     // A ratio or a converted value has another unit.
     if q.over.is_some() || q.scale.is_some() {
@@ -233,6 +241,8 @@ fn of_history(q: &Quantity, channels: Channels) -> Result<QuantityValue, String>
     let inside = |row: &[f64; 2]| row[0] >= from && row[0] <= to;
     let rows: Vec<[f64; 2]> = channels.curve(q.filter)?.into_iter().filter(inside).collect();
     if rows.is_empty() {
+        let side = |time: Option<f64>, end: &str| time.map_or(end.into(), |t| t.to_string());
+        let (from, to) = (side(q.from, "the start"), side(q.to, "the end"));
         return Err(format!("the history has no rows from {from} to {to}"));
     }
     let (value, time) = in_history(q, &rows)?;
@@ -240,7 +250,8 @@ fn of_history(q: &Quantity, channels: Channels) -> Result<QuantityValue, String>
         _ if q.crossing.is_some() => unit_of_time.clone(),
         Some(RowReduction::Growth) => String::new(),
         Some(RowReduction::Slope) if unit.is_empty() => format!("1/{unit_of_time}"),
-        Some(RowReduction::Slope) => format!("({unit})/{unit_of_time}"),
+        Some(RowReduction::Slope) if unit.contains('/') => format!("({unit})/{unit_of_time}"),
+        Some(RowReduction::Slope) => format!("{unit}/{unit_of_time}"),
         _ => unit,
     };
     let unit_of_time = time.map_or(String::new(), |_| unit_of_time);
@@ -379,6 +390,12 @@ mod tests {
             ("history = \"kinetic\"", value(10.0, "J", None)),
             ("history = \"kinetic\"\ncrossing = 1.0", value(1.25, "ms", None)),
             ("history = \"kinetic\"\nscale = 2.0", value(20.0, "", None)),
+            ("history = \"kinetic\"\nstat = \"max\"\nminus.history = \"kinetic\"", {
+                value(0.0, "J", None)
+            }),
+            ("history = \"kinetic\"\nminus.history = \"kinetic\"\nminus.crossing = 1.0", {
+                value(8.75, "", None)
+            }),
         ] {
             assert_eq!(of(text), wanted, "{text}");
         }

@@ -19,7 +19,11 @@ pub fn check_names(model: &Model) -> Result<(), Report> {
     let problem = |(index, one): (usize, &Requirement)| {
         let UnknownName { key, why } = quantity::unknown_name(&one.quantity, &blank)?;
         let path = format!("require.{index}.quantity.{key}");
-        let message = format!("requirement `{}`: no run has this quantity", one.name);
+        let cause = match key.ends_with("filter") {
+            true => "its filter cannot be used",
+            false => "no run has this quantity",
+        };
+        let message = format!("requirement `{}`: {cause}", one.name);
         Some(Problem::error(path, message, why))
     };
     let problems: Vec<Problem> = model.job.require.iter().enumerate().filter_map(problem).collect();

@@ -382,7 +382,7 @@ pub struct Summary {
     pub crush: Vec<CrushFigures>,
     /// Names of the node groups of heads.
     pub heads: Vec<String>,
-    /// Head injury criteria of the nodes with an acceleration, of heads only if there are any.
+    /// Head injury criteria of the nodes of heads.
     pub head_injury: Vec<HeadInjuryFigures>,
     /// Requirements of the job, if the run is complete.
     pub requirements: Vec<RequirementResult>,

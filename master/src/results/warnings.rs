@@ -4,7 +4,7 @@
 use crate::input::job::Model;
 use crate::results::history::{Course, HistoryRow};
 use crumple_proto::histories::PartShare;
-use crumple_proto::job::Part;
+use crumple_proto::job::{Part, Setting};
 use crumple_proto::mesh::{Mesh, MeshElement};
 use crumple_proto::place::{ModelPlace, Peak};
 use serde::{Deserialize, Serialize};
@@ -353,6 +353,8 @@ fn hourglass_cure(part: Option<&Part>) -> &'static str {
         0.0 => "hexahedron",
         _ => "stabilised_quad",
     };
+    let word = part.and_then(|part| part.parameters.get("hourglass"));
+    let has_coefficient = matches!(word, Some(Setting::Word(word)) if word != "assumed_strain");
     match part.map(|part| part.element.as_deref().unwrap_or_else(|| default(part))) {
         Some("belytschko_tsay") => {
             "Set part.element = \"stabilised_quad\" or \"fully_integrated_quad\", or use a finer \
@@ -362,9 +364,13 @@ fn hourglass_cure(part: Option<&Part>) -> &'static str {
             "Use a finer mesh where the part bends or folds, loads and supports on more nodes, or \
              part.element = \"fully_integrated_quad\""
         }
+        Some("hexahedron") if has_coefficient => {
+            "Set part.hourglass = \"assumed_strain\", or use more elements over the depth that \
+             bends, or loads and supports on more nodes"
+        }
         Some("hexahedron") => {
-            "Use more elements over the depth that bends, part.hourglass = \"assumed_strain\", \
-             tetrahedra of ten nodes, or loads and supports on more nodes"
+            "Use more elements over the depth that bends, tetrahedra of ten nodes, or loads and \
+             supports on more nodes"
         }
         _ => {
             "Use an element without hourglass modes or with physical stabilisation \
@@ -503,7 +509,10 @@ mod tests {
         assert_eq!(with(None, 1.0), with(Some("stabilised_quad"), 1.0));
         assert!(!with(None, 1.0).contains("\"stabilised_quad\""));
         assert_eq!(with(None, 0.0), with(Some("hexahedron"), 0.0));
-        assert!(with(None, 0.0).contains("assumed_strain"));
+        assert!(!with(None, 0.0).contains("assumed_strain"), "it is the default");
+        let mut solid = part("a");
+        solid.parameters.insert("hourglass".into(), Setting::Word("viscous".into()));
+        assert!(hourglass_cure(Some(&solid)).contains("assumed_strain"));
     }
 
     #[test]

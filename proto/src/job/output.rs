@@ -85,8 +85,7 @@ pub struct NodeHistory {
     /// global; without `axes` everything is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<[u64; 3]>,
-    /// These are nodes of a head. Head injury criteria are those of such nodes; without any in the
-    /// job, those of all nodes with an acceleration.
+    /// These are nodes of a head. Only such nodes have head injury criteria.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub head: bool,
 }

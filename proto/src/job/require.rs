@@ -195,7 +195,7 @@ impl Quantity {
     /// Returns a time that it names outside of a run to `end_time`, if any.
     pub fn time_outside(&self, end_time: f64) -> Option<f64> {
         let own = [self.at, self.from].into_iter().flatten().find(|t| *t > end_time);
-        let own = own.or(self.to.filter(|t| *t < 0.0));
+        let own = own.or([self.at, self.to].into_iter().flatten().find(|t| *t < 0.0));
         let inner = || {
             [&self.minus, &self.over].into_iter().flatten().find_map(|q| q.time_outside(end_time))
         };
@@ -277,6 +277,8 @@ mod tests {
         let late: Quantity =
             toml::from_str("summary = \"a\"\nover = { history = \"b\", from = 2.0 }").unwrap();
         assert_eq!((late.time_outside(1.0), late.time_outside(2.0)), (Some(2.0), None));
+        let early = Quantity { at: Some(-0.5), ..Quantity::default() };
+        assert_eq!(early.time_outside(1.0), Some(-0.5));
     }
 
     #[test]

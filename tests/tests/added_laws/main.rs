@@ -159,6 +159,7 @@ fn a_panic_of_a_worker_ends_with_code_4_and_keeps_the_checkpoint() {
     let often = "--set=checkpoint.every=\"0.02 s\"";
     let [whole, out] = [at("whole"), at("out")];
     assert_eq!(launch(&[&job, cycles, "--workers=1", "--out", &whole]), 0);
+    laws::breaking::IS_SLOW.store(true, Ordering::Relaxed);
     let lost = std::thread::scope(|scope| {
         let words = [&job, cycles, often, "--workers=2", "--out", &out];
         let run = scope.spawn(move || launch(&words));
@@ -169,6 +170,7 @@ fn a_panic_of_a_worker_ends_with_code_4_and_keeps_the_checkpoint() {
         laws::breaking::BREAKS.store(true, Ordering::Relaxed);
         let code = run.join().unwrap();
         laws::breaking::BREAKS.store(false, Ordering::Relaxed);
+        laws::breaking::IS_SLOW.store(false, Ordering::Relaxed);
         code
     });
     assert_eq!(lost, 4);

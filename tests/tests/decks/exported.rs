@@ -185,6 +185,35 @@ fn no_list_of_a_job_is_lost() {
     expect_test::expect_file!["../../decks/exported/every-list.txt"].assert_eq(&fates);
 }
 
+/// A set to which joints add nodes without mass keeps its id only if nothing else uses it: a load
+/// on it must not act on these nodes.
+#[test]
+fn loads_do_not_act_on_the_nodes_of_joints() {
+    let path = exported().join("every-list.toml");
+    let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    let text = export(&model).expect("a deck").text;
+    let lines: Vec<&str> = text.lines().collect();
+    let body = lines.iter().position(|l| l.starts_with("*CONSTRAINED_NODAL_RIGID_BODY"));
+    let set = lines[body.expect("a body") + 2].split_whitespace().last().expect("a set");
+    let curve =
+        lines[lines.iter().position(|l| *l == "*DEFINE_CURVE").expect("a curve") + 1].trim();
+    let nodes_of = |text: &str, set: &str| -> Vec<String> {
+        let lines: Vec<&str> = text.lines().collect();
+        let is_set = |at: &usize| lines[*at].starts_with("*SET_NODE_LIST");
+        let head = |at: usize| at + 1 + usize::from(lines[at].ends_with("_TITLE"));
+        let found = (0..lines.len()).find(|at| is_set(at) && lines[head(*at)].trim() == set);
+        let first = head(found.expect("the set")) + 1;
+        let cards = lines[first..].iter().take_while(|line| !line.starts_with('*'));
+        cards.flat_map(|line| line.split_whitespace().map(String::from)).collect()
+    };
+    let loaded = text.replace("*END\n", &format!("*LOAD_NODE_SET\n{set},1,{curve},1.0\n*END\n"));
+    let again = export(&read_back(&loaded, &[])).expect("a deck").text;
+    let load = again.split("*LOAD_NODE_SET\n").last().expect("a load");
+    let set_of_load = load.split_whitespace().next().expect("a set");
+    assert_eq!(nodes_of(&text, set).len(), 7, "with three nodes of joints");
+    assert_eq!(nodes_of(&again, set_of_load), ["71", "72", "73", "74"]);
+}
+
 /// Returns rows of hardening curves without the points that keep them constant for other programs.
 fn without_constant_ends(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let stress_before = |place: usize| place.checked_sub(1).and_then(|p| rows[p].last());

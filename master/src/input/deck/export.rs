@@ -62,7 +62,7 @@ pub struct ExportedDeck {
 /// A text if the model has something that a deck cannot have.
 pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     let job = &model.job;
-    let used = used_names(job);
+    let used = used_names(job, "pressure");
     let is_used = |curve: &&CurveInput| used.contains(&curve.name);
     let mut deck = DeckWriter {
         curves: most("curve-", job.curve.iter().filter(is_used).map(|c| c.name.as_str())),
@@ -81,10 +81,10 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     bodies.inertia = inertia::of(model, &bodies.materials);
     parts::write(&mut deck, model, &bodies, &equations, next)?;
     let faces = faces::of_pressures(model);
-    let with_joints = joints::sets_of_nodes(job, &bodies);
+    bodies.joint_sets = joints::sets_of_nodes(job, &bodies);
     let is_written = |name: &str| {
         let comes_back = faces.is_some() && !used.contains(name) && under_pressure(job, name);
-        !comes_back && !with_joints.contains(name)
+        !comes_back && !bodies.joint_sets.contains(name)
     };
     let sets = node_sets(&mut deck, model, is_written);
     let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
@@ -157,14 +157,14 @@ fn control(deck: &mut DeckWriter, job: &Job) {
     }
 }
 
-/// Returns the names to which the entries of a job refer. Those of curves, and of the nodes under a
-/// pressure, which are faces in a deck, count only if other entries use them.
-fn used_names(job: &Job) -> BTreeSet<String> {
+/// Returns the names to which the entries of a job refer. Those of curves, and of the nodes of the
+/// entries of one list, count only if other entries use them.
+fn used_names(job: &Job, list: &str) -> BTreeSet<String> {
     let mut table = table_of(job);
     table.remove("curve");
-    if let Some(Value::Array(loads)) = table.get_mut("pressure") {
-        loads.iter_mut().filter_map(Value::as_table_mut).for_each(|load| {
-            load.remove("nodes");
+    if let Some(Value::Array(entries)) = table.get_mut(list) {
+        entries.iter_mut().filter_map(Value::as_table_mut).for_each(|entry| {
+            entry.remove("nodes");
         });
     }
     let mut names = BTreeSet::new();

@@ -38,7 +38,7 @@ pub(super) fn read_mesh(
     let read: Vec<Option<AddedFile>> = list.iter().enumerate().map(read).collect();
     let mut mesh = first?;
     for (file, of) in read.into_iter().zip(list.iter().enumerate()) {
-        match file.and_then(|file| mesh.add(file, of, &job.part, findings)) {
+        match file.and_then(|file| mesh.add(file, of, job, findings)) {
             Some(added) => sources.added.push(added),
             None => is_whole = false,
         }

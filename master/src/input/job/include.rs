@@ -94,8 +94,14 @@ impl IncludeReader<'_> {
                 named(key, old),
                 named(winner, new)
             );
-            let help = "to have both meshes, name one of the two files in a [[mesh.add]]; \
-                        otherwise remove the mesh that is replaced";
+            let help = match [key, winner] {
+                ["deck", _] => "keep mesh.deck, and add the other file by a [[mesh.add]]",
+                ["generator", "generator"] | [_, "deck"] => "remove the mesh that is replaced",
+                _ => {
+                    "to have both meshes, name a file of them in a [[mesh.add]]; otherwise remove \
+                     the mesh that is replaced"
+                }
+            };
             self.findings.add(Problem::warning(format!("mesh.{winner}"), message, help));
         }
     }

@@ -15,7 +15,8 @@ pub fn is_hdf5(head: &[u8]) -> bool {
     head.starts_with(HDF5)
 }
 
-/// Returns true for a model of EXODUS II in netCDF-4, which is HDF5: it has these dimensions.
+/// Returns true for a model of EXODUS II in netCDF-4, which is HDF5: it has one of these
+/// dimensions.
 pub fn is_exodus_in_hdf5(bytes: &[u8]) -> bool {
     is_hdf5_with(bytes, &[b"num_nodes", b"num_dim"])
 }
@@ -25,12 +26,12 @@ pub fn is_vtkhdf(bytes: &[u8]) -> bool {
     is_hdf5_with(bytes, &[b"VTKHDF"])
 }
 
-/// Returns true for MED, by the group of its meshes and that of its version.
+/// Returns true for MED, by the group of its meshes or that of its version.
 pub fn is_med(bytes: &[u8]) -> bool {
     is_hdf5_with(bytes, &[b"ENS_MAA", b"INFOS_GENERALES"])
 }
 
-/// Returns true for CGNS in HDF5, by its version and the label of its bases, or in ADF.
+/// Returns true for CGNS in HDF5, by its version or the label of its bases, or in ADF.
 pub fn is_cgns(bytes: &[u8]) -> bool {
     is_hdf5_with(bytes, &[b"CGNSLibraryVersion", b"CGNSBase_t"])
         || bytes.get(4..).is_some_and(|rest| rest.starts_with(b"ADF Database"))

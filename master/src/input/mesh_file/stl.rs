@@ -53,7 +53,7 @@ pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
         part.rigid = true;
     }
     if !reading.mesh.parts.is_empty() {
-        let became = "a [[rigid]] body: give it a mass, or a motion";
+        let became = "a part for a [[rigid]] body; without one it is deformable";
         reading.row(Fate::Read, "surfaces", reading.mesh.parts.len(), became);
     }
 }

@@ -5,6 +5,7 @@ use super::maxwell;
 use crumple_worker::fem::materials::{Elastic, Law, LawResult, PlaneStress, Points};
 use crumple_worker::math::lanes::{Lane, Lane32};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// The row of this law.
 pub static LAW: Law = Law {
@@ -19,6 +20,10 @@ pub static LAW: Law = Law {
 
 /// True while updates panic.
 pub static BREAKS: AtomicBool = AtomicBool::new(false);
+/// True while updates are slow, so that a run does not end before a test has seen its checkpoint.
+pub static IS_SLOW: AtomicBool = AtomicBool::new(false);
+/// Time that a slow update waits.
+const WAIT: Duration = Duration::from_millis(1);
 
 struct Breaking(Box<dyn PlaneStress>);
 
@@ -36,6 +41,9 @@ impl PlaneStress for Breaking {
     }
     fn update(&self, points: Points<'_, Lane>, dt: f64) {
         assert!(!BREAKS.load(Ordering::Relaxed), "a fault that a test requested");
+        if IS_SLOW.load(Ordering::Relaxed) {
+            std::thread::sleep(WAIT);
+        }
         self.0.update(points, dt);
     }
     fn update_short(&self, points: Points<'_, Lane32>, dt: f64) {

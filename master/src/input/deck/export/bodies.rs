@@ -19,6 +19,8 @@ pub struct DeckBodies {
     pub materials: BTreeMap<u32, u64>,
     /// Mass properties of bodies by their leading parts.
     pub inertia: BTreeMap<u32, InertiaCards>,
+    /// Sets of bodies that keep their ids with the nodes of joints.
+    pub(super) joint_sets: BTreeSet<String>,
     /// Names of bodies whose given mass is in the densities on their cards.
     dense: BTreeSet<String>,
     /// Part for motions, by the name of the body in the job; empty if bodies are not written as
@@ -247,7 +249,8 @@ fn join(
                 let mut all: Vec<u64> = own.iter().map(|node| node.label()).collect();
                 // A job by an exported deck has these nodes in its set.
                 all.extend(added.iter().filter(|&node| !own.iter().any(|n| n.label() == *node)));
-                Id(match id_in_name("set-", name) {
+                let own_id = id_in_name("set-", name).filter(|_| bodies.joint_sets.contains(name));
+                Id(match own_id {
                     Some(id) => deck.node_set_with_id(id, &all),
                     None => deck.node_set(&all),
                 })

@@ -5,7 +5,7 @@
 use super::beams::end_of;
 use super::bodies::DeckBodies;
 use super::writer::{exact_quotient, id_in_name};
-use super::{Blank, CardValue, DeckWriter, Id, Number, named, points, table_of};
+use super::{Blank, CardValue, DeckWriter, Id, Number, named, points, table_of, used_names};
 use crate::input::deck::convert::space::{cross, unit};
 use crumple_proto::job::{Job, JointInput, JointKind, JointResistance};
 use std::collections::{BTreeMap, BTreeSet};
@@ -43,14 +43,15 @@ fn count_with_cards(job: &Job, bodies: &DeckBodies) -> usize {
     job.joint.iter().take_while(|joint| has_card(joint, bodies)).count()
 }
 
-/// Returns the sets of bodies of nodes that a reader has named by their ids and to which joints add
-/// nodes: they keep their ids.
-pub fn sets_of_nodes<'j>(job: &'j Job, bodies: &DeckBodies) -> BTreeSet<&'j str> {
+/// Returns the sets of bodies of nodes that a reader has named by their ids, to which joints add
+/// nodes, and which nothing else uses: they keep their ids.
+pub fn sets_of_nodes(job: &Job, bodies: &DeckBodies) -> BTreeSet<String> {
+    let others = used_names(job, "rigid");
     let with = &job.joint[..count_with_cards(job, bodies)];
     let joined: BTreeSet<&String> = with.iter().flat_map(|joint| &joint.bodies).collect();
     let of = job.rigid.iter().filter(|b| b.parts.is_empty() && joined.contains(&b.name));
-    let sets = of.filter_map(|body| body.nodes.as_deref());
-    sets.filter(|set| id_in_name("set-", set).is_some()).collect()
+    let sets = of.filter_map(|body| body.nodes.clone());
+    sets.filter(|set| id_in_name("set-", set).is_some() && !others.contains(set)).collect()
 }
 
 /// Returns true for a joint between two bodies of the deck. Cards have no joint with the ground.

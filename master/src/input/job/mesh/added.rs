@@ -7,7 +7,7 @@ use crate::input::job::validate::JobProblems;
 use crate::input::job::walls::unit;
 use crate::input::mesh_file::ImportRow;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{AddedMeshInput, Part};
+use crumple_proto::job::{AddedMeshInput, Job};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode};
 use crumple_proto::problem::Problem;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
@@ -74,6 +74,9 @@ pub fn check(list: &[AddedMeshInput], findings: &mut JobProblems) -> bool {
             is_good = false;
             findings.add(Problem::error(format!("mesh.add.{index}.{key}"), message, help));
         };
+        if file.is_empty() {
+            error("file", "a mesh to add has no file".into(), "give the name of its file");
+        }
         if added.scale <= 0.0 {
             let message = format!("mesh {file}: scale is {:?}", added.scale);
             let help = "give a factor above 0, such as 0.001 for a file in mm in a job in m; a \
@@ -122,13 +125,13 @@ impl PlacedMesh {
         &mut self,
         from: AddedFile,
         (index, input): (usize, &AddedMeshInput),
-        parts: &[Part],
+        job: &Job,
         findings: &mut JobProblems,
     ) -> Option<AddedMesh> {
         let mut addition = Addition { index, input, from, findings };
         let (ids, part_ids) = (addition.id_offset(&self.mesh), addition.part_offset(&self.mesh));
         let (map, id_offset, part_offset) = (placement(input)?, ids?, part_ids?);
-        let names = addition.names(&self.mesh, part_offset, parts)?;
+        let names = addition.names(&self.mesh, part_offset, job)?;
         let AddedFile { file, format, mesh, parts, rows } = addition.from;
         self.added.push(AddedRange {
             key: format!("mesh.add.{index}.file"),
@@ -253,12 +256,12 @@ impl Addition<'_> {
     }
 
     /// Returns the names of its node sets in the job, by those in the file. Reports errors and
-    /// returns `None` if one is taken in spite of the name before it. `parts` are those of the job.
+    /// returns `None` if one is taken in spite of the name before it.
     fn names(
         &mut self,
         mesh: &Mesh,
         part_offset: u32,
-        parts: &[Part],
+        job: &Job,
     ) -> Option<BTreeMap<String, String>> {
         let stem = || Path::new(&self.input.file).file_stem().unwrap_or_default().to_string_lossy();
         let before = self.input.name.clone().unwrap_or_else(|| stem().into_owned());
@@ -268,7 +271,8 @@ impl Addition<'_> {
             .collect();
         // Every key that takes a node set takes the name of a part too.
         let used: HashSet<u32> = mesh.elements.iter().map(|e| e.part).collect();
-        let others = parts.iter().filter(|part| used.contains(&part.id)).map(|part| &part.name);
+        let parts = job.part.iter().filter(|part| used.contains(&part.id)).map(|part| &part.name);
+        let others = parts.chain(job.set.iter().map(|set| &set.name));
         let mut taken: HashSet<String> = mesh.node_sets.keys().chain(others).cloned().collect();
         let mut names = BTreeMap::new();
         let mut doubled = Vec::new();
@@ -284,7 +288,7 @@ impl Addition<'_> {
         }
         for (old, new) in &doubled {
             let message =
-                format!("its node set `{old}` has the name of another one, and so has `{new}`");
+                format!("the names `{old}` and `{new}` for its node set `{old}` are both taken");
             self.error("name", message, "give it another `name`, which begins such names".into());
         }
         doubled.is_empty().then_some(names)
@@ -473,7 +477,7 @@ mod tests {
             &[
                 "rows.toml: its largest id 5 with id_offset is above 9e15",
                 "rows.toml: its part 8 with part_offset is above 4294967295",
-                "rows.toml: its node set `rim` has the name of another one, and so has `rows.rim`",
+                "rows.toml: the names `rim` and `rows.rim` for its node set `rim` are both taken",
             ],
         );
         let flat =
@@ -521,7 +525,7 @@ mod tests {
                 "mesh.file = \"parts/old.msh\" of ",
                 "base.toml is replaced by mesh.file = \"rows.toml\": a job has one [mesh]",
                 "job.toml:3:1",
-                "name one of the two files in a [[mesh.add]]",
+                "name a file of them in a [[mesh.add]]",
             ],
         );
     }
