@@ -123,9 +123,8 @@ class Picker {
 
   /** The middle of what is picked; nothing if it is not seen. */
   middle() {
-    const fraction = this.view.surface.uniforms.between.value;
-    const places = this.corners().flatMap(([patches, corners]) => corners.map((corner) => patches.place(corner, fraction)));
-    return places.length ? [0, 1, 2].map((c) => places.reduce((sum, x) => sum + x[c], 0) / places.length) : null;
+    const places = this.faces().flat();
+    return places.length ? places.reduce((sum, place) => sum.add(place), new THREE.Vector3()).divideScalar(places.length).toArray() : null;
   }
 
   /** Draws the outline at the present time. */

@@ -57,10 +57,8 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
         deck.note("placeholders", LeftReason::Lost, job.placeholders.len());
     }
     // Entries without cards refer to curves by their names.
-    let referring = ["gravity", "pressure", "airbag", "load", "motion", "wall"];
     let mut texts = BTreeSet::new();
-    let entries = referring.iter().filter_map(|key| deck.rest.get(*key));
-    entries.for_each(|entries| add_texts(entries, &mut texts));
+    deck.rest.values().for_each(|entries| add_texts(entries, &mut texts));
     for curve in job.curve.iter().filter(|curve| texts.contains(&curve.name)) {
         curves.write_table(deck, Some(&curve.name));
     }
