@@ -55,14 +55,38 @@ pub use options::Options;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::Problem;
 
-/// Jobs that the program has in itself, by name: `crumple init`. Their meshes come from generators.
-pub const EXAMPLES: [(&str, &str); 6] = [
-    ("bars", jobs::BARS),
-    ("tube", jobs::TUBE),
-    ("plate", jobs::PLATE),
-    ("slide", jobs::SLIDE),
-    ("block", jobs::BLOCK),
-    ("jeep-frame", jobs::JEEP_FRAME),
+/// A job that the program has in itself: `crumple init`.
+#[derive(Clone, Copy)]
+pub struct Example {
+    /// Name of the example.
+    pub name: &'static str,
+    /// Text of `job.toml`.
+    pub job: &'static str,
+    /// Name and content of its mesh file; a mesh without one comes from a generator.
+    pub mesh: Option<(&'static str, &'static [u8])>,
+}
+
+/// All examples.
+pub const EXAMPLES: [Example; 8] = [
+    Example { name: "bars", job: jobs::BARS, mesh: None },
+    Example { name: "tube", job: jobs::TUBE, mesh: None },
+    Example { name: "plate", job: jobs::PLATE, mesh: None },
+    Example { name: "slide", job: jobs::SLIDE, mesh: None },
+    Example { name: "block", job: jobs::BLOCK, mesh: None },
+    Example { name: "jeep-frame", job: jobs::JEEP_FRAME, mesh: None },
+    Example {
+        name: "gmsh-sphere",
+        job: jobs::GMSH_SPHERE,
+        mesh: Some((
+            "plate-and-sphere.msh",
+            include_bytes!("../examples/gmsh-sphere/plate-and-sphere.msh"),
+        )),
+    },
+    Example {
+        name: "abaqus-beam",
+        job: jobs::ABAQUS_BEAM,
+        mesh: Some(("box-beam.inp", include_bytes!("../examples/abaqus-beam/box-beam.inp"))),
+    },
 ];
 
 /// An option of a generator: key in `[scene]`, default, meaning with its unit.

@@ -65,7 +65,7 @@ class Job(MutableMapping[str, Any]):
 
     @classmethod
     def example(cls, name: str) -> Job:
-        """Returns an example job, of those of `crumple init`.
+        """Returns an example job, of those of `crumple init` that need no file.
 
         Raises `KeyError` with the names of all examples.
         """

@@ -57,10 +57,11 @@ fn from_toml<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
     Ok(pythonize(py, &table)?)
 }
 
-/// Returns name and text of each example job.
+/// Returns name and text of each example job that needs no file.
 #[pyfunction]
 fn examples() -> Vec<(&'static str, &'static str)> {
-    init::EXAMPLES.to_vec()
+    let alone = init::EXAMPLES.iter().filter(|example| example.mesh.is_none());
+    alone.map(|example| (example.name, example.job)).collect()
 }
 
 /// Returns the JSON Schema of jobs as text.

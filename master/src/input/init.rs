@@ -3,7 +3,7 @@
 use crate::cli::InitArgs;
 use crate::input::job::nearest;
 use crate::stdout;
-pub use crumple_cases::EXAMPLES;
+pub use crumple_cases::{EXAMPLES, Example};
 use std::path::PathBuf;
 
 /// Writes the example, or lists all. Returns the exit code.
@@ -16,9 +16,10 @@ pub fn run(args: &InitArgs) -> u8 {
 
 /// Returns the names of the examples with the titles of their jobs.
 fn list() -> String {
-    let line = |(name, text): &(&str, &str)| {
-        let title = text.lines().find_map(|line| line.strip_prefix("title = "));
-        format!("  {name:<12} {}\n", title.unwrap_or_default().trim_matches('"'))
+    let line = |example: &Example| {
+        let title = example.job.lines().find_map(|line| line.strip_prefix("title = "));
+        let mesh = example.mesh.map(|(file, _)| format!(" ({file})")).unwrap_or_default();
+        format!("  {:<12} {}{mesh}\n", example.name, title.unwrap_or_default().trim_matches('"'))
     };
     let all: String = EXAMPLES.iter().map(line).collect();
     format!("examples, for `crumple init NAME`:\n{}", all.trim_end())
@@ -27,26 +28,34 @@ fn list() -> String {
 /// Writes an example into a folder and returns how to run it.
 ///
 /// # Errors
-/// There is no such example, or the folder has a job, or it cannot be written.
+/// There is no such example, or the folder has one of its files, or it cannot be written.
 fn write(name: &str, out: Option<PathBuf>) -> Result<String, String> {
-    let Some((_, text)) = EXAMPLES.iter().find(|(known, _)| *known == name) else {
-        let names: Vec<&str> = EXAMPLES.iter().map(|(known, _)| *known).collect();
+    let Some(example) = EXAMPLES.iter().find(|known| known.name == name) else {
+        let names: Vec<&str> = EXAMPLES.iter().map(|known| known.name).collect();
         return Err(format!("there is no example {name}; {}", nearest(name, &names)));
     };
     let folder = out.unwrap_or_else(|| PathBuf::from(name));
-    let file = folder.join("job.toml");
-    if file.exists() {
+    let job = ("job.toml", example.job.as_bytes());
+    let files: Vec<(PathBuf, &[u8])> = std::iter::once(job)
+        .chain(example.mesh)
+        .map(|(file, content)| (folder.join(file), content))
+        .collect();
+    if let Some((file, _)) = files.iter().find(|(file, _)| file.exists()) {
         return Err(format!(
             "{} exists; name another folder with --out, or remove it: your changes would be lost",
             file.display()
         ));
     }
-    std::fs::create_dir_all(&folder)
-        .and_then(|()| std::fs::write(&file, text))
-        .map_err(|error| format!("{}: {error}; name another folder with --out", file.display()))?;
+    for (file, content) in &files {
+        std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(file, content)).map_err(
+            |error| format!("{}: {error}; name another folder with --out", file.display()),
+        )?;
+    }
+    let names: Vec<String> = files.iter().map(|(file, _)| file.display().to_string()).collect();
     Ok(format!(
-        "{} is written; check it with `crumple check {1}`, run it with `crumple run {1}`",
-        file.display(),
+        "{} {}; check it with `crumple check {2}`, run it with `crumple run {2}`",
+        names.join(" and "),
+        if names.len() == 1 { "is written" } else { "are written" },
         folder.display()
     ))
 }
@@ -59,7 +68,7 @@ mod tests {
     #[test]
     fn each_example_is_a_job_without_errors() {
         let dir = tempfile::tempdir().unwrap();
-        for (name, _) in EXAMPLES {
+        for Example { name, .. } in EXAMPLES {
             let folder = dir.path().join(name);
             write(name, Some(folder.clone())).unwrap();
             job::read(&folder, &[]).unwrap_or_else(|report| panic!("{name}: {report}"));

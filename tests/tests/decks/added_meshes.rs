@@ -95,7 +95,7 @@ fn a_ball_from_an_stl_file_falls_on_a_plate() {
     // The ball has 10 mm/ms and 0.01 kg; stopped within 0.3 ms it feels 0.3 kN at least.
     assert!(largest > 0.1, "the largest force on the ball is {largest} kN");
 
-    let file = "tests/meshes/made/plate-and-sphere.msh";
+    let file = "cases/examples/gmsh-sphere/plate-and-sphere.msh";
     fs::copy(root().join(file), folder.path().join("plate.msh")).unwrap();
     let of_file = job("[mesh]\nfile = \"plate.msh\"\n", "", 1001)
         + "[[part]]\nid = 2\n\

@@ -16,8 +16,12 @@ impl ImportedModel {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let job = folder.path().join("job");
-        let words =
-            ["import", "tests/meshes/made/plate-and-sphere.msh", "--out", job.to_str().unwrap()];
+        let words = [
+            "import",
+            "cases/examples/gmsh-sphere/plate-and-sphere.msh",
+            "--out",
+            job.to_str().unwrap(),
+        ];
         run(crumple_with(&words)).with_code(0);
         Self { folder }
     }

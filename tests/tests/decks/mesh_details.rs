@@ -64,11 +64,17 @@ fn set_names(read: &ReadMesh) -> Vec<&str> {
 #[test]
 fn files_of_the_tutorials_are_read() {
     for (file, nodes, elements, parts, sets) in [
-        ("made/box-beam.inp", 544, 512, 1, &["Foot", "Head", "Wall"][..]),
-        ("made/plate-and-sphere.msh", 1192, 1358, 2, &["plate", "rim", "sphere"][..]),
-        ("third-party/meshio/06_unstructured.vtk", 42, 12, 1, &["part_1"][..]),
+        ("cases/examples/abaqus-beam/box-beam.inp", 544, 512, 1, &["Foot", "Head", "Wall"][..]),
+        (
+            "cases/examples/gmsh-sphere/plate-and-sphere.msh",
+            1192,
+            1358,
+            2,
+            &["plate", "rim", "sphere"],
+        ),
+        ("tests/meshes/third-party/meshio/06_unstructured.vtk", 42, 12, 1, &["part_1"]),
     ] {
-        let path = root().join("tests/meshes").join(file);
+        let path = root().join(file);
         let found =
             read(&path, false, None).unwrap_or_else(|problems| panic!("{file}: {problems:?}"));
         let mesh = &found.mesh;

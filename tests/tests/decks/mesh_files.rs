@@ -267,7 +267,6 @@ fn mesh_files_and_decks_under_each_others_names_are_named() {
     fs::write(at("job.toml"), "end_time = 1.0\n[mesh]\ndeck = \"deck.k\"\n").unwrap();
     for (content, format) in [
         ("broken/plate.inp", "Abaqus input"),
-        ("made/box-beam.inp", "Abaqus input"),
         ("made/assembly.inp", "Abaqus input"),
         ("third-party/meshio/element_elset.inp", "Abaqus input"),
         ("broken/plate.bdf", "Nastran bulk data"),

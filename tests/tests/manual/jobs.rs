@@ -98,6 +98,18 @@ fn the_complete_job_of_the_guide_is_read() {
     assert!(warnings.is_empty(), "{warnings:?}");
 }
 
+/// The finished jobs of the tutorials are the examples of `crumple init`.
+#[test]
+fn finished_jobs_of_the_tutorials_are_examples() {
+    let pages = [("gmsh-mesh", "gmsh-sphere"), ("abaqus-mesh", "abaqus-beam")];
+    for (page, name) in pages {
+        let page = format!("docs/tutorials/{page}.md");
+        let example = crumple_cases::EXAMPLES.iter().find(|example| example.name == name).unwrap();
+        let shown = blocks(&page).into_iter().find(|block| block.language == "toml").unwrap();
+        assert_eq!(shown.text, example.job, "{page}");
+    }
+}
+
 /// The schema for editors allows a rule where a key names a node set.
 #[test]
 fn a_rule_in_the_place_of_a_set_fits_the_schema() {
