@@ -20,7 +20,8 @@ pub const CREATED_CURE: &str = "Look for parts that penetrate each other at the 
                                 check` names them) or are pressed through each other; try a \
                                 smaller time.dt_max, more contact.sweeps or a smaller \
                                 contact.penalty_scale";
-/// Energy dissipated by friction of contact, or of walls, as a fraction of the largest energy so far.
+/// Energy dissipated by friction of contact, or on walls, as a fraction of the largest energy so
+/// far.
 const MUCH_FRICTION: f64 = 0.1;
 /// Mass added by mass scaling over the mass of a part, and of the whole model.
 const MUCH_MASS: [f64; 2] = [0.1, 0.05];
