@@ -290,6 +290,10 @@ pub struct DiffArgs {
     pub first: PathBuf,
     /// Folder of results to compare with.
     pub second: PathBuf,
+    /// Run both jobs again, side by side, until they part: names the exact cycle, and the nodes and
+    /// elements that differ after it, with all digits. Writes no files.
+    #[arg(long)]
+    pub rerun: bool,
 }
 
 /// `crumple run`.

@@ -9,6 +9,7 @@ mod discrete_beam;
 mod joint;
 mod loads;
 mod output;
+mod part_ref;
 mod particles;
 mod require;
 mod restart;
@@ -29,6 +30,7 @@ pub use discrete_beam::{AxisSpring, BeamAxis, DiscreteBeamInput, TurningNode};
 pub use joint::{JointInput, JointKind, JointResistance};
 pub use loads::{CurveInput, GravityInput, LoadInput, MotionInput, PressureInput, Symmetry};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
+pub use part_ref::PartRef;
 pub use particles::ParticlesInput;
 pub use require::{
     ElementReduction, FilterClass, ObjectTable, Quantity, Requirement, RowReduction,

@@ -118,6 +118,8 @@ pub struct Energies<N = f64> {
     pub starting: N,
     /// Work of rigid walls on nodes, friction included, and work on walls that have a mass.
     pub wall: N,
+    /// Work of friction on rigid walls, in the motion relative to them: minus what it dissipates.
+    pub wall_friction: N,
     /// Work of loads, damping and prescribed motion.
     pub external: N,
 }
@@ -133,6 +135,7 @@ impl Energies<ExactSum> {
         self.friction.merge(&o.friction);
         self.starting.merge(&o.starting);
         self.wall.merge(&o.wall);
+        self.wall_friction.merge(&o.wall_friction);
         self.external.merge(&o.external);
     }
 
@@ -155,6 +158,7 @@ impl Energies<ExactSum> {
             friction: self.friction.value(),
             starting: self.starting.value(),
             wall: self.wall.value(),
+            wall_friction: self.wall_friction.value(),
             external: self.external.value(),
         }
     }

@@ -15,13 +15,22 @@ use crumple_proto::report::Energies;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+/// Work of walls so far.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct WallWork {
+    /// Work of walls on nodes and bodies, and of these on walls with a mass.
+    pub total: WorkSum,
+    /// Work of friction in the motion of nodes and bodies relative to their walls.
+    pub friction: WorkSum,
+}
+
 /// Work accumulated on this worker.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Ledger {
     /// Work of contact forces.
     pub contact: ContactWork,
-    /// Work of walls on nodes and bodies, and of these on walls with a mass.
-    pub wall: WorkSum,
+    /// Work of walls.
+    pub wall: WallWork,
     /// Work of loads, damping and prescribed motion.
     pub external: WorkSum,
     /// Work of joints on rigid bodies and of bonds on nodes: minus what they store and absorb.
@@ -32,10 +41,12 @@ impl Ledger {
     /// Adds the ledger of another worker.
     pub fn add(&mut self, o: &Self) {
         let Self { contact: ContactWork { total, friction, starting }, wall, external, links } = o;
+        let WallWork { total: of_walls, friction: of_wall_friction } = wall;
         self.contact.total.merge(total);
         self.contact.friction.merge(friction);
         self.contact.starting.merge(starting);
-        self.wall.merge(wall);
+        self.wall.total.merge(of_walls);
+        self.wall.friction.merge(of_wall_friction);
         self.external.merge(external);
         self.links.merge(links);
     }
@@ -44,7 +55,10 @@ impl Ledger {
     pub fn begin_step(&mut self, cycle: u64) {
         let Self { contact: ContactWork { total, friction, starting }, wall, external, links } =
             self;
-        for sum in [total, friction, starting, wall, external, links] {
+        let WallWork { total: of_walls, friction: of_wall_friction } = wall;
+        let of_contact = [total, friction, starting];
+        let others = [of_walls, of_wall_friction, external, links];
+        for sum in of_contact.into_iter().chain(others) {
             sum.begin_step(cycle.is_multiple_of(CARRY_EVERY));
         }
     }
@@ -70,7 +84,8 @@ impl Ledger {
             contact: self.contact.total.at_present(),
             friction: self.contact.friction.at_present(),
             starting: self.contact.starting.at_present(),
-            wall: self.wall.at_present(),
+            wall: self.wall.total.at_present(),
+            wall_friction: self.wall.friction.at_present(),
             external: self.external.at_present(),
         }
     }

@@ -48,8 +48,8 @@ class Results:
 
     @property
     def warnings(self) -> list[str]:
-        """What to look at before the results are used, a line each: time, part, place and cure."""
-        return [_line(one) for one in self.summary["warnings"]]
+        """What to look at before the results are used: the lines that the program prints."""
+        return [one["message"] for one in self.summary["warnings"]]
 
     @property
     def requirements(self) -> list[dict[str, Any]]:
@@ -142,14 +142,6 @@ class Results:
         )
         title = html.escape(about["title"] or self.folder.name)
         return f"<table><caption>{title}</caption>{''.join(lines)}</table>"
-
-
-def _line(warning: dict[str, Any]) -> str:
-    """Returns a warning of a summary as one line."""
-    part = f"part {warning['part']}: " if warning["part"] else ""
-    place = f"; {warning['place']}" if warning["place"] else ""
-    time = f"at time {warning['worst_time']:.6g}"
-    return f"{time} {part}{warning['what']}{place}. {warning['cure']}"
 
 
 class Report:

@@ -26,9 +26,10 @@ struct Continuation {
     changes: Vec<String>,
 }
 
-/// A run that can be repeated.
-struct KnownRun {
-    start: ProgramStart,
+/// A run, as its folder describes it.
+pub(super) struct KnownRun {
+    /// Its last start.
+    pub(super) start: ProgramStart,
     outcome: RunOutcome,
 }
 
@@ -56,8 +57,66 @@ pub fn run(args: &ReproduceArgs) -> u8 {
 }
 
 impl KnownRun {
+    /// Reads the files that describe a run.
+    ///
+    /// # Errors
+    /// One of them is missing or cannot be used; the message names it.
+    pub(super) fn read(dir: &Path) -> Result<Self, String> {
+        let provenance = Provenance::read(dir).map_err(|why| {
+            format!("{why}; name the folder of a run of this version of the program")
+        })?;
+        let outcome = RunOutcome::read(dir)
+            .map_err(|why| format!("{why}; a run has a final state when it has ended"))?;
+        Ok(Self { start: provenance.last().clone(), outcome })
+    }
+
+    /// Returns the reason why one run from time 0 does not repeat this one, if there is one.
+    pub(super) fn obstacle(&self, dir: &Path) -> Option<String> {
+        let changes = self.outcome.restarts.iter().flat_map(|restart| &restart.changes);
+        let is_harmless = |change: &&String| {
+            HARMLESS.iter().any(|key| {
+                change.strip_prefix(key).is_some_and(|rest| rest.starts_with(['.', '=']))
+            })
+        };
+        let change = changes.into_iter().find(|change| !is_harmless(change))?;
+        Some(format!(
+            "{}: the run continued from a checkpoint with the change {change}: one run from time 0 \
+             does not repeat it; repeat the commands in provenance.json",
+            dir.display()
+        ))
+    }
+
+    /// Returns a line for each file that the run has read and that has changed since.
+    pub(super) fn changed_files(&self) -> Vec<String> {
+        let changed = self.start.changed_files().into_iter();
+        changed.map(|why| format!("{why}; the run has read another file")).collect()
+    }
+
+    /// Returns the number of cycles of the run.
+    pub(super) fn cycles(&self) -> u64 {
+        self.outcome.cycles
+    }
+
+    /// Returns the file with the orders of users that the run has carried out, if there were any.
+    pub(super) fn steering(&self, dir: &Path) -> Option<PathBuf> {
+        (!self.outcome.steering.is_empty()).then(|| dir.join("summary.json"))
+    }
+
     fn was_stopped(&self) -> bool {
         self.outcome.status == "stopped"
+    }
+}
+
+/// Returns an error if the program was started by MPI.
+///
+/// # Errors
+/// It was.
+pub(super) fn refuse_mpi(command: &str) -> Result<(), String> {
+    match launch::launched_by_mpi() {
+        true => Err(format!(
+            "`crumple {command}` starts its own workers, as threads: run it without mpirun"
+        )),
+        false => Ok(()),
     }
 }
 
@@ -75,52 +134,26 @@ impl RunOutcome {
 /// # Errors
 /// All reasons why it cannot be repeated.
 fn known_run(args: &ReproduceArgs) -> Result<KnownRun, Vec<String>> {
-    let mut problems = Vec::new();
-    if launch::launched_by_mpi() {
-        problems.push(
-            "`crumple reproduce` starts its own workers, as threads: run it without \
-                       mpirun"
-                .to_string(),
-        );
-    }
-    let provenance = Provenance::read(&args.dir).map_err(|why| {
-        vec![format!("{why}; name the folder of a run of this version of the program")]
-    })?;
-    let outcome = RunOutcome::read(&args.dir)
-        .map_err(|why| vec![format!("{why}; a run has a final state when it has ended")])?;
-    let start = provenance.last().clone();
-    if !["completed", "stopped"].contains(&&outcome.status[..]) {
+    let mut problems: Vec<String> = refuse_mpi("reproduce").err().into_iter().collect();
+    let known = KnownRun::read(&args.dir).map_err(|why| vec![why])?;
+    let status = &known.outcome.status;
+    if !["completed", "stopped"].contains(&&status[..]) {
         problems.push(format!(
-            "{}: the run has {}: the cycle in which it ends depends on the machine",
+            "{}: the run has {status}: the cycle in which it ends depends on the machine",
             args.dir.display(),
-            outcome.status
         ));
     }
-    let changes = outcome.restarts.iter().flat_map(|restart| &restart.changes);
-    let is_harmless = |change: &&String| {
-        HARMLESS
-            .iter()
-            .any(|key| change.strip_prefix(key).is_some_and(|rest| rest.starts_with(['.', '='])))
-    };
-    if let Some(change) = changes.into_iter().find(|change| !is_harmless(change)) {
-        problems.push(format!(
-            "{}: the run continued from a checkpoint with the change {change}: one run from time 0 \
-             does not repeat it; repeat the commands in provenance.json",
-            args.dir.display()
-        ));
-    }
-    let changed = start.changed_files();
+    problems.extend(known.obstacle(&args.dir));
     if !args.allow_changed {
-        problems.extend(changed.iter().map(|why| format!("{why}; the run has read another file")));
+        let changed = known.changed_files();
         if !changed.is_empty() {
+            problems.extend(changed);
             problems.push(
-                "restore these files, or run the job with them as they are: \
-                           --allow-changed"
-                    .into(),
+                "restore these files, or run the job with them as they are: --allow-changed".into(),
             );
         }
     }
-    if problems.is_empty() { Ok(KnownRun { start, outcome }) } else { Err(problems) }
+    if problems.is_empty() { Ok(known) } else { Err(problems) }
 }
 
 /// Returns the options of the run that repeats the known one.
@@ -137,7 +170,6 @@ fn repeated(args: &ReproduceArgs, known: &KnownRun, out: &Path) -> RunArgs {
             known.start.command.join(" ")
         );
     }
-    let is_steered = !known.outcome.steering.is_empty();
     RunArgs {
         job: Some(known.start.job_file.clone()),
         options: JobOptions::new(Some(workers), known.start.set.clone()),
@@ -145,7 +177,7 @@ fn repeated(args: &ReproduceArgs, known: &KnownRun, out: &Path) -> RunArgs {
         overwrite: args.overwrite,
         quiet: args.quiet,
         no_report: true,
-        steering: is_steered.then(|| args.dir.join("summary.json")),
+        steering: known.steering(&args.dir),
         ..RunArgs::default()
     }
 }

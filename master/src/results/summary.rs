@@ -11,7 +11,7 @@ use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::{FinalReport, PHASES, PartRecord};
 use crumple_worker::fem::elements::points_of;
 use crumple_worker::vtu;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -64,6 +64,8 @@ pub struct EnergySummary {
     pub contact_starting: f64,
     /// Work of rigid walls on the nodes, and of nodes on walls with a mass, friction included.
     pub wall: f64,
+    /// Work of friction on rigid walls, in the motion relative to them.
+    pub wall_friction: f64,
     /// Hourglass and drilling energy.
     pub hourglass: f64,
     /// Work of external loads.
@@ -376,7 +378,9 @@ pub struct Summary {
     pub checkpoints: CheckpointSummary,
     /// Rows of histories that are lost because a file was removed.
     pub lost: Vec<String>,
-    /// Engineering warnings, in the order in which they were found.
+    /// Engineering warnings, in the order in which they were found. The file also has the message
+    /// of each.
+    #[serde(serialize_with = "with_messages")]
     pub warnings: Vec<EngineeringWarning>,
     /// Crush figures of each force, if an object moves.
     pub crush: Vec<CrushFigures>,
@@ -388,6 +392,20 @@ pub struct Summary {
     pub requirements: Vec<RequirementResult>,
     /// blake3 hash of the state; see [`state_digest`].
     pub state_digest: String,
+}
+
+/// Warning in the file, with the line that the program prints.
+#[derive(Serialize)]
+struct WarningWithMessage<'a> {
+    #[serde(flatten)]
+    warning: &'a EngineeringWarning,
+    message: String,
+}
+
+fn with_messages<S: Serializer>(warnings: &[EngineeringWarning], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(
+        warnings.iter().map(|one| WarningWithMessage { warning: one, message: one.line() }),
+    )
 }
 
 impl Summary {

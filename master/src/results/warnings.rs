@@ -20,7 +20,8 @@ pub const CREATED_CURE: &str = "Look for parts that penetrate each other at the 
                                 check` names them) or are pressed through each other; try a \
                                 smaller time.dt_max, more contact.sweeps or a smaller \
                                 contact.penalty_scale";
-/// Energy dissipated by friction of contact, as a fraction of the largest energy so far.
+/// Energy dissipated by friction of contact, or on walls, as a fraction of the largest energy so
+/// far.
 const MUCH_FRICTION: f64 = 0.1;
 /// Mass added by mass scaling over the mass of a part, and of the whole model.
 const MUCH_MASS: [f64; 2] = [0.1, 0.05];
@@ -41,8 +42,10 @@ pub enum WarningKind {
     Hourglass,
     /// Energy that contact has created: its energy is negative.
     ContactEnergy,
-    /// Energy of friction.
+    /// Energy of friction of contact.
     Friction,
+    /// Energy of friction on rigid walls.
+    WallFriction,
     /// Mass added by mass scaling.
     AddedMass,
     /// Collapse of the stable step.
@@ -147,7 +150,13 @@ impl WatchedRow<'_> {
         let Some(row) = &self.course.last else { return Vec::new() };
         let mut found = self.hourglass(row);
         found.extend(self.contact_energy(row));
-        found.extend(self.friction(row));
+        let e = &row.sum.energies;
+        let of_contact = (WarningKind::Friction, "of contact", e.friction);
+        let cure = "Compare a run with another contact.friction";
+        found.extend(self.friction(row, of_contact, &row.sum.sliding.at, cure));
+        let of_walls = (WarningKind::WallFriction, "on rigid walls", e.wall_friction);
+        let cure = "Compare a run with another wall.friction";
+        found.extend(self.friction(row, of_walls, &ModelPlace::default(), cure));
         found.extend(self.step(row));
         found.extend(self.contact_step(row));
         found.extend(self.penetration(row));
@@ -274,23 +283,27 @@ impl WatchedRow<'_> {
         (row.created > LITTLE_CREATED).then(|| self.warn_of_all(row, kind, what, at, CREATED_CURE))
     }
 
-    fn friction(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
-        let work = row.sum.energies.friction;
+    /// Returns a warning of the work of one kind of friction, which is largest at a place.
+    fn friction(
+        &self,
+        row: &HistoryRow,
+        (kind, of, work): (WarningKind, &str, f64),
+        at: &ModelPlace,
+        cure: &str,
+    ) -> Option<EngineeringWarning> {
         let share = work.abs() / self.course.most;
         let (limit, has) = match work > 0.0 {
             true => (LITTLE_CREATED, "created"),
             false => (MUCH_FRICTION, "dissipated"),
         };
         let what = format!(
-            "friction of contact has {has} an energy of {:.3e}, {:.0} % of the largest energy so \
+            "friction {of} has {has} an energy of {:.3e}, {:.0} % of the largest energy so \
              far: results depend on the coefficient of friction",
             work.abs(),
             100.0 * share
         );
-        let cure = "Compare a run with another contact.friction";
-        let kind = (WarningKind::Friction, share);
         (self.course.most > 0.0 && share > limit)
-            .then(|| self.warn_of_all(row, kind, what, &row.sum.sliding.at, cure))
+            .then(|| self.warn_of_all(row, (kind, share), what, at, cure))
     }
 
     fn step(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
@@ -521,7 +534,7 @@ mod tests {
         let close = |row: &mut HistoryRow| {
             row.sum.shares.parts[1].hourglass = 0.49;
             row.sum.energies.hourglass = 0.49;
-            row.sum.energies.friction = -9.0;
+            (row.sum.energies.friction, row.sum.energies.wall_friction) = (-9.0, -9.0);
             (row.created, row.sum.penetration) = (0.009, 0.49);
             (row.sum.corner_left, row.sum.controlling_dt, row.sum.contact_dt) = (0.11, 0.21, 0.2);
         };
@@ -538,7 +551,7 @@ mod tests {
             x: [1.0, 2.0, 3.0],
             ..ModelPlace::default()
         };
-        let table: [(WarningKind, Change, &str, &str); 7] = [
+        let table: [(WarningKind, Change, &str, &str); 9] = [
             (
                 WarningKind::Hourglass,
                 |r| r.sum.shares.parts[1].hourglass = 0.51,
@@ -549,6 +562,18 @@ mod tests {
             (WarningKind::ContactEnergy, |r| r.created = 0.011, "", "contact.sweeps"),
             (WarningKind::Friction, |r| r.sum.energies.friction = -11.0, "", "contact.friction"),
             (WarningKind::Friction, |r| r.sum.energies.friction = 1.1, "", "contact.friction"),
+            (
+                WarningKind::WallFriction,
+                |r| r.sum.energies.wall_friction = -11.0,
+                "",
+                "wall.friction",
+            ),
+            (
+                WarningKind::WallFriction,
+                |r| r.sum.energies.wall_friction = 1.1,
+                "",
+                "wall.friction",
+            ),
             (WarningKind::ContactStep, |r| r.sum.contact_dt = 0.49, "", "contact thickness"),
             (WarningKind::Penetration, |r| r.sum.penetration = 0.51, "", "contact.sweeps"),
         ];

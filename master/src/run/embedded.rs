@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Fraction of the ghost margin used at which membership is updated.
-const RENEW_AT: f64 = 0.7;
+pub(crate) const RENEW_AT: f64 = 0.7;
 
 /// Slave node and segment of a contact pair.
 pub type PairIds = (NodeId, SegmentId);

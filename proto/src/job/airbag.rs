@@ -1,5 +1,6 @@
 //! Airbags in a job.
 
+use super::PartRef;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,7 @@ pub struct AirbagInput {
     pub name: String,
     /// Parts whose shells and outer faces of solids form the surface.
     #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Node set. Only the faces whose nodes are all in the set are in the surface; with `parts`,
     /// only those of these parts.

@@ -1,6 +1,6 @@
 //! Contact and its interfaces, as they are written.
 
-use super::Setting;
+use super::{PartRef, Setting};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -98,11 +98,14 @@ pub struct ContactInput {
     pub thickness_limit: f64,
     /// Parts in contact with those of `against`; without `against`, with each other and with
     /// themselves. All parts if empty.
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Parts in contact with those of `parts`. They are not in contact with each other by this
     /// table.
+    #[schemars(with = "Vec<PartRef>")]
     pub against: Vec<u32>,
     /// Parts that are in contact by interfaces only.
+    #[schemars(with = "Vec<PartRef>")]
     pub exclude: Vec<u32>,
     /// Settings of the laws, by key. Each law publishes the keys that it uses.
     #[serde(flatten)]
@@ -123,11 +126,14 @@ pub struct Interface {
     pub name: String,
     /// Parts in contact with those of `against`; without `against`, with each other and with
     /// themselves. All parts if empty.
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Parts in contact with those of `parts`. They are not in contact with each other by this
     /// table.
+    #[schemars(with = "Vec<PartRef>")]
     pub against: Vec<u32>,
     /// Parts that do not belong to this interface.
+    #[schemars(with = "Vec<PartRef>")]
     pub exclude: Vec<u32>,
     /// As in `[contact]`, or `lagrange` if the law there is `none`. With `none` these parts are not
     /// in contact.

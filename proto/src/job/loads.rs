@@ -1,5 +1,6 @@
 //! Loads and prescribed motions in a job.
 
+use super::PartRef;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +27,7 @@ pub struct GravityInput {
     /// Parts on whose elements it acts, with their masses, those of mass scaling included; all
     /// masses if empty.
     #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
 }
 
@@ -53,6 +55,7 @@ pub struct LoadInput {
 pub struct PressureInput {
     /// Parts whose faces are all loaded.
     #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Node set. The faces whose nodes are all in the set are loaded; with `parts`, only those of
     /// these parts.

@@ -1,5 +1,6 @@
 //! Output that a job requests.
 
+use super::PartRef;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -103,6 +104,7 @@ pub struct SectionHistory {
     pub nodes: String,
     /// Parts whose elements are included.
     #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Ids of elements that are included.
     #[serde(default)]
@@ -126,12 +128,14 @@ pub struct TransducerHistory {
     pub name: String,
     /// Parts of surface A.
     #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Node set of surface A.
     #[serde(default)]
     pub nodes: Option<String>,
     /// Parts of surface B. Without these and `from_nodes`, all contact forces on A are included.
     #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
     pub from_parts: Vec<u32>,
     /// Node set of surface B.
     #[serde(default)]

@@ -1,6 +1,6 @@
 //! Changes of the model that a run makes when it continues from a checkpoint.
 
-use super::WallInput;
+use super::{PartRef, WallInput};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,8 +10,10 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct Restart {
     /// Parts that are deleted: their elements, their mass, and the nodes that no other element has.
+    #[schemars(with = "Vec<PartRef>")]
     pub delete: Vec<u32>,
     /// Parts of which each becomes a rigid body, with the mass and the momenta of its nodes.
+    #[schemars(with = "Vec<PartRef>")]
     pub rigid: Vec<u32>,
     /// New velocities of parts.
     pub velocity: Vec<PartVelocity>,
@@ -24,6 +26,7 @@ pub struct Restart {
 #[serde(deny_unknown_fields)]
 pub struct PartVelocity {
     /// Parts.
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Velocity [length/time].
     pub velocity: [f64; 3],

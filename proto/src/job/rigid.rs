@@ -1,5 +1,6 @@
 //! Rigid bodies in a job.
 
+use super::PartRef;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +13,7 @@ pub struct Rigid {
     pub name: String,
     /// Parts.
     #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Additional node set.
     #[serde(default)]

@@ -1,5 +1,6 @@
 //! Node sets that a rule defines, in a job.
 
+use super::PartRef;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -19,8 +20,9 @@ pub struct SetInput {
     /// Sets, parts or rigid bodies that `union`, `intersection` and `difference` combine.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sets: Vec<String>,
-    /// Ids of the parts of `part`.
+    /// Parts of `part`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Node ids of `nodes`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -1,5 +1,6 @@
 //! Ties in a job.
 
+use super::PartRef;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,7 @@ pub struct TieInput {
     pub nodes: String,
     /// Parts whose shells and outer faces of solids are the surface.
     #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Node set: the faces whose nodes are all in it are the surface; with `parts`, only those of
     /// these parts.

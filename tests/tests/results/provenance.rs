@@ -195,6 +195,57 @@ fn the_first_difference_of_two_runs_is_found_in_all_kinds_of_files() {
     assert!(none.contains("no results of the same moments"), "{none}");
 }
 
+/// The jobs differ by a force on the second bar. It is zero in the step that begins at 20 steps,
+/// and acts in the next one, of cycle 22. Rows are 8 cycles apart.
+#[test]
+fn runs_that_are_repeated_part_in_the_cycle_in_which_a_force_begins() {
+    let (folder, job) = bars();
+    let step = 2.0_f64.powi(-12); // a power of two, so that times are exact
+    let with_force = folder.path().join("with-force.toml");
+    let force = format!(
+        "\n[[curve]]\nname = \"later\"\npoints = [[0.0, 0.0], [{}, 0.0], [{}, 1.0], [1.0, 1.0]]\n\
+         [[load]]\nnodes = \"two\"\nforce = [0.0, 0.1, 0.0]\ncurve = \"later\"\n",
+        20.0 * step,
+        20.5 * step
+    );
+    fs::write(&with_force, fs::read_to_string(&job).unwrap() + &force).unwrap();
+    let sets = [
+        format!("--set=end_time={}", 56.0 * step),
+        format!("--set=time.dt_max={step}"),
+        format!("--set=output.history_interval={}", 8.0 * step),
+    ];
+    let sets = [&sets.each_ref().map(String::as_str)[..], &["--set=contact.law=penalty"]].concat();
+    let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
+    run_into(&job, &a, &[&sets[..], &["--workers=1"]].concat()).with_code(0);
+    run_into(&with_force, &b, &[&sets[..], &["--workers=2"]].concat()).with_code(0);
+    let count = || fs::read_dir(folder.path()).unwrap().count();
+    let before = count();
+    let rerun = |a: &Path, b: &Path| run(crumple_with(&["diff", text(a), text(b), "--rerun"]));
+    let said = rerun(&a, &b).with_code(1).said();
+    assert!(said.contains("histories: first difference by cycle 24"), "{said}");
+    let nodes = "nodes: first differ after cycle 22 (equal after 21)";
+    assert!(said.contains(nodes) && said.contains(": velocity y 0e0 / "), "{said}");
+    let elements = "elements: first differ after cycle 23 (equal after 22)";
+    assert!(said.contains(elements) && said.contains("\n  element "), "{said}");
+    assert_eq!(count(), before, "no files are written");
+
+    let same = rerun(&a, &a).with_code(0).said();
+    assert!(same.contains("the results are equal: nothing is run again"), "{same}");
+    // A final state that no run has, as from another program.
+    let other = folder.path().join("other");
+    copy_folder(&a, &other);
+    let digest = json(&a.join("summary.json"))["state_digest"].as_str().unwrap().to_string();
+    let summary = fs::read_to_string(other.join("summary.json")).unwrap();
+    fs::write(other.join("summary.json"), summary.replace(&digest, &"0".repeat(64))).unwrap();
+    let refused = rerun(&a, &other).with_code(2).said();
+    assert!(refused.contains("the runs do not part when they are run again"), "{refused}");
+    // Another file than the run has read.
+    fs::write(&with_force, fs::read_to_string(&job).unwrap()).unwrap();
+    let refused = rerun(&a, &b).with_code(2).said();
+    assert!(refused.contains("with-force.toml: its SHA-256"), "{refused}");
+    assert!(refused.contains("restore these files"), "{refused}");
+}
+
 #[test]
 fn a_folder_with_results_is_not_overwritten() {
     let (folder, job) = bars();

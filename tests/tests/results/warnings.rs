@@ -52,7 +52,9 @@ fn warning(ended: &Ended, kind: &str, part: &str) -> Value {
     let found = found.unwrap_or_else(|| panic!("no {kind} of `{part}`: {all:#}"));
     let (what, said) = (found["what"].as_str().unwrap(), ended.said());
     assert!(said.contains(what), "it is not in the output: {what}\n{said}");
-    assert!(said.contains(found["cure"].as_str().unwrap()), "{said}");
+    let message = format!("warning: {}\n", found["message"].as_str().unwrap());
+    assert!(said.contains(&message), "{message}{said}");
+    assert!(message.contains(found["cure"].as_str().unwrap()), "{message}");
     let shown = run(crumple_with(&["advise", ended.out().to_str().unwrap()])).with_code(0).said();
     assert!(shown.contains(what), "it is not in the advice: {what}\n{shown}");
     found
@@ -150,4 +152,28 @@ fn friction_that_takes_most_of_the_energy_is_a_warning() {
     assert_eq!(friction["place"], other["place"], "on any number of workers");
     assert!(friction["what"].as_str().unwrap().contains("dissipated"), "{friction}");
     assert!(friction["cure"].as_str().unwrap().contains("contact.friction"), "{friction}");
+}
+
+/// A square is pressed onto a plane, on which it slides until friction has taken its energy.
+#[test]
+fn friction_on_a_wall_is_a_warning_of_its_own() {
+    let (_folder, ended) = square(
+        "[[load]]\nnodes = \"even\"\nforce = [0.0, 0.0, -1.0]\n\
+         [[load]]\nnodes = \"odd\"\nforce = [0.0, 0.0, -1.0]\n\
+         [[wall]]\nname = \"floor\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n\
+         friction = 0.3\n\
+         [[initial_velocity]]\nnodes = \"even\"\nvelocity = [20.0, 0.0, 0.0]\n\
+         [[initial_velocity]]\nnodes = \"odd\"\nvelocity = [20.0, 0.0, 0.0]\n",
+    );
+    let friction = warning(&ended, "wall_friction", "");
+    assert!(friction["what"].as_str().unwrap().contains("on rigid walls has dissipated"));
+    assert!(friction["cure"].as_str().unwrap().contains("wall.friction"), "{friction}");
+    let all = ended.summary();
+    // The plane is smooth along its normal, so that friction does all of its work.
+    let energy = |name: &str| all["energy"][name].as_f64().unwrap();
+    assert!(energy("wall_friction") < 0.0, "{}", all["energy"]);
+    let other = (energy("wall_friction") - energy("wall")).abs();
+    assert!(other < 1e-3 * energy("total_initial"), "round-off and impacts: {}", all["energy"]);
+    let kinds = all["warnings"].as_array().unwrap().iter().map(|w| w["kind"].to_string());
+    assert!(kinds.into_iter().all(|kind| kind != "\"friction\""), "contact has none");
 }

@@ -222,7 +222,8 @@ impl Constraints {
             self.bonds.add_work(nodes, steps, &mut ledger.links);
         }
         if nodes.me == 0 {
-            ledger.wall.add(self.walls.work_on_masses()); // all workers know it: count it once
+            // All workers know it: count it once.
+            ledger.wall.total.add(self.walls.work_on_masses());
         }
         Ok(())
     }

@@ -12,10 +12,11 @@ mod shape;
 mod tests;
 
 use crate::constraints::prescribed::MotionCurve;
+use crate::energy::WallWork;
 use crate::math::row::{Row, V3, row, xyz};
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
-use crate::work::{Work, WorkSum};
+use crate::work::Work;
 use crumple_proto::exact_sum::ExactSum;
 use crumple_proto::histories::each_value;
 use crumple_proto::ids::NodeId;
@@ -223,7 +224,8 @@ impl Walls {
             if wall.misses(&nodes.x[i], &v, dt) {
                 continue;
             }
-            if let Some(change) = wall.change(nodes, i, &v, dt) {
+            if let Some([normal, friction]) = wall.changes(nodes, i, &v, dt) {
+                let change = normal + friction;
                 for c in 0..3 {
                     v[c] += if nodes.inv_mass[i][c] > 0.0 { change[c] } else { 0.0 };
                 }
@@ -244,7 +246,7 @@ impl Walls {
         nodes: &mut Nodes,
         pushed: &[(u32, Row)],
         steps: StepSizes,
-        work: &mut WorkSum,
+        work: &mut WallWork,
     ) -> Result<(), RankLost> {
         let dt = steps.dt;
         for k in 0..self.pushed {
@@ -264,7 +266,7 @@ impl Walls {
 
     /// Keeps all local nodes in front of the walls, from their velocities in `v_next`. Adds the
     /// work on owned nodes to `work`.
-    fn enforce_on_local(&mut self, nodes: &mut Nodes, steps: StepSizes, work: &mut WorkSum) {
+    fn enforce_on_local(&mut self, nodes: &mut Nodes, steps: StepSizes, work: &mut WallWork) {
         let (mut next, end) = (0, nodes.local_count);
         while next < end {
             // Nearly all nodes stay clear of all walls.
@@ -275,7 +277,9 @@ impl Walls {
             let free = nodes.v_next[i];
             nodes.v_next[i] = self.stop(nodes, i, free, steps.dt);
             if nodes.is_owned(i) && nodes.v_next[i] != free {
-                work.add(self.book(nodes, i, free, steps));
+                let [of_walls, of_friction] = self.book(nodes, i, free, steps);
+                work.total.add(of_walls);
+                work.friction.add(of_friction);
             }
             next = i + 1;
         }
@@ -317,19 +321,25 @@ impl Walls {
     }
 
     /// Records the impulses that change the velocity of owned node `i` from `v` to its next
-    /// one. Returns the work [energy].
-    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, steps: StepSizes) -> Work {
-        let mut work = Work::default();
+    /// one. Returns the work, and that of friction in the motion relative to the walls [energy].
+    fn book(&mut self, nodes: &Nodes, i: usize, mut v: Row, steps: StepSizes) -> [Work; 2] {
+        let (mut work, mut of_friction) = (Work::default(), Work::default());
         for &w in &self.order {
-            let Some(change) = self.walls[w].change(nodes, i, &v, steps.dt) else { continue };
+            let wall = &self.walls[w];
+            let Some([normal, friction]) = wall.changes(nodes, i, &v, steps.dt) else { continue };
+            let change = normal + friction;
             for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
                 v[c] += change[c];
+                let given = nodes.mass[i] * steps.given();
                 let p = nodes.mass[i] * change[c] * steps.given();
                 self.impulses[w][c].add(p);
-                work = work + Work::from_impulse(p, nodes.v[i][c], nodes.v_next[i][c]);
+                let [before, after] = [nodes.v[i][c], nodes.v_next[i][c]];
+                work = work + Work::from_impulse(p, before, after);
+                let [before, after] = [before - wall.last[c], after - wall.next[c]];
+                of_friction = of_friction + Work::from_impulse(given * friction[c], before, after);
             }
         }
-        work
+        [work, of_friction]
     }
 
     /// Applies the reaction to the impulse that a wall has exerted on a rigid body.
@@ -350,10 +360,7 @@ impl Walls {
 
     /// Returns the work of nodes and bodies on walls with a mass in the step [energy].
     pub fn work_on_masses(&self) -> Work {
-        let on = |w: &Wall, mass: f64| {
-            let impulse = row(((w.next - w.last) * mass).into());
-            Work::from_impulses(&impulse, &row(w.last.into()), &row(w.next.into()))
-        };
+        let on = |w: &Wall, mass: f64| w.work_in_motion(&((w.next - w.last) * mass));
         self.masses().map(|(w, mass)| on(w, mass)).sum()
     }
 
@@ -421,6 +428,11 @@ impl Wall {
         self.next
     }
 
+    /// Returns the work of an impulse in the motion of the wall [energy].
+    pub fn work_in_motion(&self, impulse: &V3) -> Work {
+        Work::from_impulses(&row((*impulse).into()), &row(self.last.into()), &row(self.next.into()))
+    }
+
     /// Returns the inverse mass: change of velocity along the normal per unit impulse [1/mass].
     pub fn softness(&self) -> f64 {
         if let Drive::Pushed(mass) = self.drive { 1.0 / mass } else { 0.0 }
@@ -450,10 +462,10 @@ impl Wall {
             || self.surface.cannot_reach(&V3::from(xyz(x)), &(V3::from(xyz(v)) - self.next), dt)
     }
 
-    /// Returns the change of the velocity `v` that keeps local node `i` in front of the wall,
-    /// friction included [length/time].
+    /// Returns the change of the velocity `v` that keeps local node `i` in front of the wall, and
+    /// the change by friction [length/time].
     #[inline]
-    fn change(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<V3> {
+    fn changes(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<[V3; 2]> {
         if self.meets.get(i) == Some(&false) || self.misses(&nodes.x[i], v, dt) {
             return None;
         }
@@ -465,7 +477,7 @@ impl Wall {
         let speed = sliding.norm();
         let held =
             if speed > self.friction * normal { self.friction * normal / speed } else { 1.0 };
-        Some(along * normal - sliding * held)
+        Some([along * normal, -(sliding * held)])
     }
 
     /// Returns owned node `i` with velocity `v` as a candidate for a wall with a mass, if it

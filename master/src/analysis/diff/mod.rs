@@ -1,14 +1,15 @@
 //! `crumple diff`: where the results of two runs part, and by how much. Histories are finest in
 //! time; checkpoints name nodes and elements with all digits, fields with those of single
-//! precision.
+//! precision. With `--rerun`, both jobs run again until they part.
 
 mod checkpoints;
 mod fields;
 mod histories;
+mod rerun;
 
 use crate::cli::DiffArgs;
 use crate::results::provenance::Provenance;
-use crate::stdout;
+use crate::stdout::{self, say};
 use crumple_proto::exit_code::{BAD_INPUT, COMPLETED, UNMET};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -104,20 +105,43 @@ fn at(place: &str, time: f64) -> String {
 /// Compares two folders of results and prints where they part. Returns the exit code: 1 if they
 /// differ.
 pub fn run(args: &DiffArgs) -> u8 {
-    match compare(&args.first, &args.second) {
-        Ok((text, is_equal)) => {
-            stdout::write(format_args!("{text}"));
-            if is_equal { COMPLETED } else { UNMET }
-        }
-        Err(why) => {
-            eprintln!("error: {why}");
+    match compare_and_rerun(args) {
+        Ok(true) => COMPLETED,
+        Ok(false) => UNMET,
+        Err(problems) => {
+            problems.iter().for_each(|why| eprintln!("error: {}", why.trim_end()));
             BAD_INPUT
         }
     }
 }
 
-/// Returns the text, and whether all that both folders have is equal.
-fn compare(a: &Path, b: &Path) -> Result<(String, bool), String> {
+/// Prints where the results part. Returns true if they are equal.
+///
+/// # Errors
+/// The folders cannot be compared, or their runs cannot be repeated: the reasons.
+fn compare_and_rerun(args: &DiffArgs) -> Result<bool, Vec<String>> {
+    let (a, b) = (&args.first, &args.second);
+    let compared = compare(a, b).map_err(|why| vec![why])?;
+    stdout::write(format_args!("{}", compared.text));
+    if args.rerun && compared.is_equal {
+        say!("\nthe results are equal: nothing is run again");
+    } else if args.rerun {
+        let found = rerun::run([a, b], compared.differs_by)?;
+        stdout::write(format_args!("{found}"));
+    }
+    Ok(compared.is_equal)
+}
+
+/// Comparison of two folders.
+struct Compared {
+    text: String,
+    /// True if all that both folders have is equal.
+    is_equal: bool,
+    /// Cycle of the first row of the histories that differs.
+    differs_by: Option<u64>,
+}
+
+fn compare(a: &Path, b: &Path) -> Result<Compared, String> {
     let folders = [a, b];
     if let Some(missing) = folders.iter().find(|folder| !folder.is_dir()) {
         return Err(format!(
@@ -164,17 +188,15 @@ fn compare(a: &Path, b: &Path) -> Result<(String, bool), String> {
         describe(&mut out, name, kind);
     }
     largest(&mut out, &kinds);
+    let differs_by = kinds[0].1.parting.as_ref().and_then(|parting| parting.moment.0);
     let is_equal = ends != Some(false) && kinds.iter().all(|(_, kind)| kind.is_equal());
     if ends == Some(false) && kinds.iter().all(|(_, kind)| kind.is_equal()) {
         out += match end_together {
-            true => {
-                "\nno difference before the end: repeat both runs with a shorter \
-                 output.history_interval, or with a time in checkpoint.at\n"
-            }
+            true => "\nno difference before the end: find it with --rerun\n",
             false => "\nno difference before the end of the shorter run\n",
         };
     }
-    Ok((out, is_equal))
+    Ok(Compared { text: out, is_equal, differs_by })
 }
 
 fn summary(dir: &Path) -> Option<Value> {
@@ -249,13 +271,16 @@ fn describe(out: &mut String, name: &str, kind: &Comparison) {
         let _ = writeln!(out, "  {note}");
     }
     let what = kind.parting.as_ref().map_or(&[][..], |parting| &parting.what);
-    for one in what.iter().take(NAMED) {
-        let place = if one.place.is_empty() { String::new() } else { format!("{}: ", one.place) };
-        let _ = writeln!(out, "  {place}{} {} / {}", one.quantity, one.values[0], one.values[1]);
-    }
+    what.iter().take(NAMED).for_each(|one| *out += &line(one));
     if what.len() > NAMED {
         let _ = writeln!(out, "  and {} more", what.len() - NAMED);
     }
+}
+
+/// Returns the line for a difference.
+fn line(one: &Difference) -> String {
+    let place = if one.place.is_empty() { String::new() } else { format!("{}: ", one.place) };
+    format!("  {place}{} {} / {}\n", one.quantity, one.values[0], one.values[1])
 }
 
 fn named(parting: &Parting) -> String {

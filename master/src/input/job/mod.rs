@@ -3,7 +3,8 @@
 //!
 //! 1. `tree.rs`: TOML with the place of every value, merged over the files that the job includes
 //!    (`include.rs`) and over its deck (`deck`); `sets.rs` applies the command line, `library.rs`
-//!    the library of materials; `inline_sets.rs` moves rules of node sets to `[[set]]`
+//!    the library of materials; `inline_sets.rs` moves rules of node sets to `[[set]]`;
+//!    `part_names.rs` replaces names in lists of parts by ids
 //! 2. `validate.rs`: unknown keys, types and missing keys, by the schema of
 //!    [`crumple_proto::job::Job`]
 //! 3. `mesh.rs`: the mesh, meshes that are added to it, and its checks; `node_sets/`: sets by rule;
@@ -35,6 +36,7 @@ mod mesh;
 mod model;
 pub mod node_sets;
 mod numbering;
+mod part_names;
 mod particles;
 mod placeholders;
 pub mod report;
@@ -329,6 +331,7 @@ fn read_keys(
     inline_sets::hoist(&mut tree);
     // Places of problems are looked up in the tree as written, with `--set` but before repairs.
     sources.job.tree = tree.clone();
+    part_names::replace(&mut tree, findings);
     validate::job(&mut tree, findings);
     let mut job: Job = match tree.to_value().try_into() {
         Ok(job) => job,

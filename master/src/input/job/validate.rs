@@ -7,12 +7,14 @@
 use super::inline_sets;
 use super::report::PlacedProblem;
 use super::tree::{Entry, Node, NodeContent, Place};
+use crumple_proto::job::PartRef;
 use crumple_proto::problem::Problem;
+use schemars::JsonSchema;
 use serde_json::Value;
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
-static SCHEMA: LazyLock<Value> = LazyLock::new(crate::input::reference::job_schema);
+pub(super) static SCHEMA: LazyLock<Value> = LazyLock::new(crate::input::reference::job_schema);
 
 /// The problems so far, and the paths below which nothing more is reported.
 #[derive(Debug, Default)]
@@ -278,8 +280,9 @@ fn wrong(node: &mut Node, schema: &Value, path: &str, findings: &mut JobProblems
              min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }"
                 .into()
         }
-        _ if last(list_path(path)) == "parts" && kind == "integer" => {
-            "write the id of the part, a whole number: it is `id` in its [[part]]".into()
+        _ if is_part(schema) => {
+            "write the id of a part, a whole number, or its name: `id` and `name` in its [[part]]"
+                .into()
         }
         _ => meaning,
     };
@@ -318,11 +321,17 @@ fn stand_in(schema: &Value, place: Place) -> Node {
 }
 
 /// Returns the schema that `$ref` points to, or the schema itself.
-fn resolve(schema: &Value) -> &Value {
+pub(super) fn resolve(schema: &Value) -> &Value {
     match schema["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
         Some(name) => &SCHEMA["$defs"][name],
         None => schema,
     }
+}
+
+/// Returns true if values of this schema are parts, by id or name.
+pub(super) fn is_part(schema: &Value) -> bool {
+    schema["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/"))
+        == Some(&*PartRef::schema_name())
 }
 
 /// Returns the name of the type; of an optional type the one that is not null.
@@ -363,6 +372,7 @@ fn expected(schema: &Value) -> String {
         "integer" => "a whole number".into(),
         "array" => {
             let items = match kind_of(resolve(&resolved["items"])) {
+                _ if is_part(&resolved["items"]) => "ids or names of parts",
                 "number" => "finite numbers",
                 "integer" => "whole numbers",
                 "string" => "texts",
@@ -514,7 +524,7 @@ fn last(path: &str) -> &str {
     path.rsplit('.').next().unwrap_or(path)
 }
 
-fn join(path: &str, key: &str) -> String {
+pub(super) fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
 }
 

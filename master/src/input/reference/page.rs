@@ -173,6 +173,7 @@ impl Page<'_> {
                 let items = match self.form(&resolved["items"]).as_str() {
                     one @ ("number" | "whole number" | "text") => format!("{one}s"),
                     "text or rule" => "texts or rules".to_string(),
+                    "whole number or text" => "whole numbers or texts".to_string(),
                     list => match list.strip_prefix("list of ") {
                         Some(items) => format!("lists of {items}"),
                         None => format!("lists of {list}"),

@@ -129,6 +129,7 @@ impl Control<'_> {
             friction: energies.friction,
             contact_starting: energies.starting,
             wall: energies.wall,
+            wall_friction: energies.wall_friction,
             hourglass: energies.hourglass,
             external: energies.external,
             total_initial: initial.kinetic + initial.internal + initial.hourglass,

@@ -444,10 +444,13 @@ impl Bodies {
         for p in &self.pushes {
             let body = &self.bodies[p.body];
             let felt = body.work(&p.impulse, &p.arm.cross(&p.impulse));
-            ledger.wall.add(felt * given);
+            ledger.wall.total.add(felt * given);
             ledger.external.add(felt * (1.0 - given));
             if let Some(wall) = p.wall {
                 (0..3).for_each(|c| walls.impulses[wall][c].add(p.impulse[c] * given));
+                let felt = body.work(&p.friction, &p.arm.cross(&p.friction));
+                let on_wall = walls.each()[wall].work_in_motion(&p.friction);
+                ledger.wall.friction.add((felt + on_wall * -1.0) * given);
             }
         }
         if !self.joints.is_empty() {

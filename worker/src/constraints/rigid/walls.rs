@@ -28,6 +28,8 @@ pub struct WallImpulse {
     pub arm: V3,
     /// Impulse [force time].
     pub impulse: V3,
+    /// Part of it that is friction [force time].
+    pub friction: V3,
 }
 
 /// Member near a wall, or a bound of the centre.
@@ -134,7 +136,7 @@ impl WallContact<'_> {
         let pushed = near.iter().filter(|n| n.pressed > 0.0);
         self.pushes.extend(pushed.map(|n| {
             let impulse = n.normal * n.pressed + n.sheared;
-            WallImpulse { body: index, wall: n.wall, arm: n.arm, impulse }
+            WallImpulse { body: index, wall: n.wall, arm: n.arm, impulse, friction: n.sheared }
         }));
     }
 

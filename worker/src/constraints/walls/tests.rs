@@ -28,18 +28,18 @@ fn stop(walls: &Walls, x: [f64; 3], v: [f64; 3], dt: f64) -> Row {
 }
 
 /// Computes one step of nodes and walls on one worker, starting at `time`; returns the work on
-/// nodes and on walls with a mass.
-fn step(walls: &mut Walls, nodes: &mut Nodes, time: f64, dt: f64) -> [f64; 2] {
+/// nodes, on walls with a mass, and of friction relative to the walls.
+fn step(walls: &mut Walls, nodes: &mut Nodes, time: f64, dt: f64) -> [f64; 3] {
     let mut comm = threads::connect(2).remove(1);
     nodes.accelerate(dt);
     walls.start_step(time, dt);
     let steps = StepSizes { dt, dt_velocity: dt, dt_damped: dt, dt_stable: dt };
-    let mut work = WorkSum::default();
+    let mut work = WallWork::default();
     walls.enforce(&mut comm, nodes, &[], steps, &mut work).unwrap();
     let on_masses = walls.work_on_masses().total();
     nodes.advance(dt);
     walls.advance(dt);
-    [work.total(), on_masses]
+    [work.total.total(), on_masses, work.friction.total()]
 }
 
 #[test]
@@ -54,12 +54,16 @@ fn node_ends_on_the_wall_and_friction_obeys_the_cone() {
 }
 
 /// Slides a mass on the wall under a constant force, for `steps` steps of 1e-3. Returns
-/// velocity, position and recorded work.
-fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], steps: usize) -> (Row, Row, f64) {
+/// velocity, position and recorded work, that of the wall and that of friction.
+fn slide(walls: &mut Walls, v: [f64; 3], force: [f64; 3], steps: usize) -> (Row, Row, [f64; 2]) {
     let mut nodes = masses(&[([0.0, 0.0, 1.0], v, 2.0)]);
     nodes.force[0] = row(force);
-    let work = (0..steps).map(|i| step(walls, &mut nodes, i as f64 * 1e-3, 1e-3)[0]).sum();
-    (nodes.v[0], nodes.x[0], work)
+    let mut sums = [0.0; 2];
+    for i in 0..steps {
+        let [work, _, of_friction] = step(walls, &mut nodes, i as f64 * 1e-3, 1e-3);
+        (sums[0], sums[1]) = (sums[0] + work, sums[1] + of_friction);
+    }
+    (nodes.v[0], nodes.x[0], sums)
 }
 
 /// A07: friction decelerates a sliding block of mass m under a force N by `mu N / m` until it
@@ -82,7 +86,7 @@ fn coulomb_friction_slows_holds_and_lets_go() {
         "over a time of 1: {impulse:?}"
     );
 
-    let (v, x, work) = slide(&mut wall(mu), [10.0, 0.0, 0.0], [0.0, 0.0, -n], 2000);
+    let (v, x, [work, of_friction]) = slide(&mut wall(mu), [10.0, 0.0, 0.0], [0.0, 0.0, -n], 2000);
     assert_eq!(v[0], 0.0, "rests");
     assert!(
         (x[0] / (100.0 / (2.0 * slowing)) - 1.0).abs() < 1e-3,
@@ -92,6 +96,7 @@ fn coulomb_friction_slows_holds_and_lets_go() {
         (work / (-0.5 * m * 100.0) - 1.0).abs() < 1e-3,
         "friction dissipates all kinetic energy: {work}"
     );
+    assert!((of_friction - work).abs() < 1e-9, "the wall does no other work: {of_friction}");
 
     let (v, x, _) = slide(&mut wall(mu), [0.0; 3], [0.9 * mu * n, 0.0, -n], 1000);
     assert_eq!([v[0], x[0]], [0.0, 0.0], "held");
@@ -105,7 +110,7 @@ fn coulomb_friction_slows_holds_and_lets_go() {
 fn an_impact_loses_its_normal_part_and_friction_its_share() {
     for mu in [0.0, 0.2, 5.0] {
         let mut walls = wall(mu);
-        let (v, x, work) = slide(&mut walls, [3.0, 0.0, -10.0], [0.0; 3], 3);
+        let (v, x, [work, of_friction]) = slide(&mut walls, [3.0, 0.0, -10.0], [0.0; 3], 3);
         let slid = (3.0 - mu * 10.0f64).max(0.0);
         assert!(
             (v[0] - slid).abs() < 1e-12 && v[2].abs() < 1e-12 && (x[2] - 1.0).abs() < 1e-12,
@@ -113,6 +118,8 @@ fn an_impact_loses_its_normal_part_and_friction_its_share() {
         );
         let lost = 0.5 * 2.0 * (9.0 + 100.0 - slid * slid);
         assert!((work + lost).abs() < 1e-9, "mu {mu}: {work}, not {lost}");
+        let rubbed = 0.5 * 2.0 * (9.0 - slid * slid);
+        assert!((of_friction + rubbed).abs() < 1e-9, "mu {mu}: {of_friction}, not {rubbed}");
         let p = walls.impulse(0);
         assert!((p[0] - 2.0 * (slid - 3.0)).abs() < 1e-12 && (p[2] - 20.0).abs() < 1e-12, "{p:?}");
     }
@@ -161,7 +168,7 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
     let before = kinetic(&nodes, &walls);
     let mut work = 0.0;
     for i in 0..200 {
-        work += step(&mut walls, &mut nodes, i as f64 * dt, dt).iter().sum::<f64>();
+        work += step(&mut walls, &mut nodes, i as f64 * dt, dt)[..2].iter().sum::<f64>();
         if nodes.v[2][2] == 0.0 {
             let v = walls.walls[0].next.z;
             assert!(
@@ -194,7 +201,7 @@ fn a_wall_with_a_mass_goes_on_with_what_it_meets() {
 }
 
 /// A wall with prescribed motion accelerates a node to its own velocity, tangentially within
-/// the cone of friction, and does the work.
+/// the cone of friction, and does the work. Friction dissipates energy in the relative motion.
 #[test]
 fn a_prescribed_wall_moves_nodes_in_contact() {
     let dt = 1e-3;
@@ -212,22 +219,25 @@ fn a_prescribed_wall_moves_nodes_in_contact() {
     };
     let mut walls = Walls::new(&[job], &[vec![[0.0, 1.0], [0.1, 1.0], [0.2, 3.0]]]);
     let mut nodes = masses(&[([0.0; 3], [0.0; 3], 2.0)]);
-    let mut work = 0.0;
+    let mut work = [0.0; 2];
     let mut at = |from: usize, to: usize| {
         for i in from..to {
-            work += step(&mut walls, &mut nodes, i as f64 * dt, dt)[0];
+            let [of_wall, _, of_friction] = step(&mut walls, &mut nodes, i as f64 * dt, dt);
+            work = [work[0] + of_wall, work[1] + of_friction];
         }
         (nodes.v[0], nodes.x[0], work)
     };
     let (v, x, _) = at(0, 45);
     assert_eq!((v, x), ([0.0; 4], [0.0; 4]), "not yet met");
-    let (v, x, work) = at(45, 100);
+    let (v, x, [work, of_friction]) = at(45, 100);
     assert!(
         (v[2] - 1.0).abs() < 1e-9 && (v[0] - 0.5).abs() < 1e-9,
         "mu times the normal change of 1: {v:?}"
     );
     assert!((x[2] - 0.05).abs() < 1e-9, "on the wall: {x:?}");
     assert!((work - 0.5 * 2.0 * (1.0 + 0.25)).abs() < 1e-9, "{work}");
+    let rubbed = 2.0 * 0.5 * 0.5 * (2.0 + 1.5);
+    assert!((of_friction + rubbed).abs() < 1e-9, "an impulse of 1 at speeds of 2 and 1.5");
     let (v, x, _) = at(100, 300);
     assert!(
         (v[2] - 3.0).abs() < 1e-9 && (v[0] - 1.5).abs() < 1e-9,
