@@ -121,7 +121,8 @@ class Figures {
 /** Maximum number of nodes in the table of head injury criteria: the search of intervals takes time. */
 const MOST_HEADS = 10;
 const partsOf = (objects) => objects.filter((object) => object.kind === "part");
-const forcesOf = (objects) => objects.filter((object) => object.kind !== "model" && magnitudeOf(object, "force"));
+/** The objects with a force that acts. */
+const forcesOf = (objects) => objects.filter((object) => object.kind !== "model" && magnitudeOf(object, "force")?.values.some((force) => force > 0));
 /** Name of an object in a table of one or two runs. */
 const labelOf = (object, run) => (run ? `${object.label} (${run})` : object.label);
 

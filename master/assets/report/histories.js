@@ -50,10 +50,16 @@ function magnitudeOf(object, word) {
   return object.quantities.find(({ title }) => title.endsWith(`${word} (magnitude)`));
 }
 
-/** The objects that move: those with a recorded displacement first, then mass centres; each the farthest first. */
+/**
+ * The objects that move: those with a recorded displacement first, then mass centres; each the farthest first. A wall is the first of all, unless another
+ * recorded displacement is more than twice as large: a node of a fold can move farther than the wall that crushes it.
+ */
 function movedObjects(objects) {
   const far = (object) => magnitudeOf(object, "displacement").values.reduce((most, u) => (u > most ? u : most), 0);
   const all = objects.filter((object) => magnitudeOf(object, "displacement")).map((object) => [far(object), object]);
   const derived = ({ kind }) => Number(kind === MASS_CENTRE);
-  return all.filter(([most]) => most > 0).sort((a, b) => derived(a[1]) - derived(b[1]) || b[0] - a[0]).map(([, object]) => object);
+  const moved = all.filter(([most]) => most > 0).sort((a, b) => derived(a[1]) - derived(b[1]) || b[0] - a[0]);
+  const wall = moved.findIndex(([most, { kind }]) => kind === "wall" && 2 * most >= moved[0][0]);
+  if (wall > 0) moved.unshift(...moved.splice(wall, 1));
+  return moved.map(([, object]) => object);
 }

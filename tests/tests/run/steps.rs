@@ -338,3 +338,24 @@ fn the_limit_of_a_stretched_sheet_is_found() {
     }
     assert_found("a stretched sheet", of, end, 0.5 * (low + high));
 }
+
+/// A wall that moves against the edge of a patch adds no frequency.
+#[test]
+fn a_moving_wall_does_not_change_the_limit() {
+    let limit = |wall: &str| {
+        let mut scene = UnitScene::default();
+        scene.mesh.lattice(1, [4, 4], |i, j| [i as f64, j as f64, 0.0]);
+        scene.part(1, "stabilised_quad", 0.1);
+        scene.rest += wall;
+        let model = scene.model(&[], 0.3, 0.9, 0);
+        spectrum::assembled(&model, 0.0).unwrap_or_else(|why| panic!("{wall}: {why}")).limit
+    };
+    let (free, moving) = (
+        limit(""),
+        limit(
+            "[[wall]]\nname = \"ram\"\npoint = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n\
+             mass = 10.0\nvelocity = [0.01, 0.0, 0.0]\n",
+        ),
+    );
+    assert_eq!(free, moving);
+}

@@ -23,8 +23,9 @@ const SECONDS: [(&str, f64); 5] =
 const METRES: [(&str, f64); 5] =
     [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("in", 0.0254), ("ft", 0.3048)];
 
-/// Crush figures of a force, over the displacement of the node or wall that moves the farthest, or
-/// without any, of the mass centre of a rigid part.
+/// Crush figures of a force that acts, over the displacement of the wall that moves the farthest;
+/// if a node moves more than twice as far, of that node; without both, of the mass centre of a
+/// rigid part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CrushFigures {
     /// Object of the force: a wall, a section, a transducer, a part in contact.
@@ -141,16 +142,28 @@ impl RunHistories {
         self.objects().filter_map(|object| of_part(&object)).sum()
     }
 
-    fn crush(&self) -> Vec<CrushFigures> {
+    /// Returns the object whose displacement is the stroke. A node of a fold can move farther than
+    /// the wall that crushes it, so that a wall comes first unless its displacement is less than
+    /// half as large. Mass centres, whose displacements follow from momenta, come last.
+    fn moved(&self) -> Option<usize> {
         let far = |object: usize| {
             let vector = self.vector(object, "displacement")?;
             let most = (0..self.all.rows).map(|row| vector.magnitude(row)).fold(0.0, f64::max);
-            // Recorded displacements come before those of mass centres, which follow from momenta.
-            let is_recorded = self.all.objects[object].kind != MASS_CENTRE;
-            (most > 0.0).then_some(((is_recorded, most), object))
+            (most > 0.0).then_some((most, object))
         };
-        let farthest = self.objects().filter_map(far).reduce(|a, b| if b.0 > a.0 { b } else { a });
-        let Some((_, over)) = farthest else { return Vec::new() };
+        let farthest = |of: &dyn Fn(&str) -> bool| {
+            let all = self.objects().filter(|&object| of(self.all.objects[object].kind));
+            all.filter_map(far).reduce(|a, b| if b.0 > a.0 { b } else { a })
+        };
+        let wall = farthest(&|kind| kind == "wall");
+        let recorded = farthest(&|kind| kind != MASS_CENTRE);
+        let is_stroke = |wall: &(f64, usize)| recorded.is_none_or(|most| 2.0 * wall.0 >= most.0);
+        let of = wall.filter(is_stroke).or(recorded).or_else(|| farthest(&|_| true));
+        of.map(|(_, object)| object)
+    }
+
+    fn crush(&self) -> Vec<CrushFigures> {
+        let Some(over) = self.moved() else { return Vec::new() };
         let Some(moved) = self.vector(over, "displacement") else { return Vec::new() };
         let mass = self.mass();
         let figures = |object: usize| {
@@ -158,6 +171,9 @@ impl RunHistories {
             let points = (0..self.all.rows).map(|row| [moved.magnitude(row), force.magnitude(row)]);
             let (x, y): (Vec<f64>, Vec<f64>) =
                 points.filter(|p| p.iter().all(|v| v.is_finite())).map(|[x, y]| (x, y)).unzip();
+            if y.iter().all(|&force| force == 0.0) {
+                return None;
+            }
             let found = signal::crush(&x, &y)?;
             Some(CrushFigures {
                 force: self.label(object),
@@ -339,6 +355,40 @@ mod tests {
         assert!((crush[0].energy - 24.0).abs() < 1e-5, "{crush:?}");
         write("nodes.csv", &nodes);
         assert_eq!(read(dir.path(), &[4], &[]).0[0].over, "node mark 7");
+    }
+
+    /// A ram that moves 10 mm under 6 kN absorbs 60 J, over any node of a fold that moves less than
+    /// twice as far. A wall that nothing touches has no figures.
+    #[test]
+    fn a_wall_that_moves_comes_before_a_node_of_a_fold() {
+        let crush = |of_node: f64| {
+            let dir = tempfile::tempdir().unwrap();
+            let vector = |name: &str, unit: &str| {
+                ["x", "y", "z"].map(|axis| format!("{name} {axis} [{unit}]")).join(",")
+            };
+            let mut history = String::from("time [ms],kinetic [J]\n");
+            let (moves, pushes) = (vector("displacement", "mm"), vector("force", "kN"));
+            let mut walls = format!("time [ms],wall,{moves},{pushes}\n");
+            let mut nodes = format!("time [ms],nodes,id,{moves}\n");
+            for t in 0..=10 {
+                writeln!(history, "{t},1").unwrap();
+                writeln!(walls, "{t},foot,0,0,0,0,0,0\n{t},ram,0,0,-{t},0,0,-6").unwrap();
+                writeln!(nodes, "{t},head,7,{},0,0", of_node * f64::from(t)).unwrap();
+            }
+            for (name, text) in [("history", history), ("walls", walls), ("nodes", nodes)] {
+                std::fs::write(dir.path().join(format!("{name}.csv")), text).unwrap();
+            }
+            let all = read(dir.path(), &[], &[]).0;
+            assert_eq!(all.len(), 1, "{all:?}");
+            assert_eq!(all[0].force, "wall ram");
+            (all[0].over.clone(), all[0].energy)
+        };
+        for of_node in [0.0, 0.5, 1.9] {
+            let (over, energy) = crush(of_node);
+            assert_eq!(over, "wall ram");
+            assert!((energy / 60.0 - 1.0).abs() < 1e-6, "{energy}");
+        }
+        assert_eq!(crush(2.1).0, "node head 7");
     }
 
     #[test]

@@ -213,28 +213,33 @@ impl Kernel for BelytschkoTsay {
         let sound = self.section.sound_points(&strains, self.section.current_thickness(section));
         let Resultants { n, m, q, work, thickness } =
             self.section.update::<R, N>(section, &strains, dt);
+        let stable_dt = g.stable_dt_now::<Self>(&self.section, section);
         let (n, m, q) = (n.each(|n| n * g.area), m.each(|m| m * g.area), q.each(|q| q * g.area));
 
         // 3. Hourglass and drilling. Twice the energy is the work of old and new forces.
         let rates = motion.hourglass(g);
         let stiffness = self.hourglass_stiffness(g, thickness);
         let ahead = motion.extrapolated();
-        let energy = bounds::work(drill, &ahead, bounds::work(hourglass, &rates, R::zero()));
-        let viscous = self.hourglass == HourglassForm::Viscous;
-        if viscous {
-            for c in 0..HOURGLASS {
-                hourglass[c] = stiffness[c] * rates[c] * R::splat(per_time);
-            }
-        } else {
-            for c in 0..HOURGLASS {
-                hourglass[c] = stiffness[c].mul_add(rates[c], hourglass[c]);
-            }
+        let mut energy = R::zero();
+        for c in 0..HOURGLASS {
+            let old = hourglass[c];
+            let new = match self.hourglass {
+                HourglassForm::Viscous => stiffness[c] * rates[c] * R::splat(per_time),
+                _ => stiffness[c].mul_add(rates[c], old),
+            };
+            hourglass[c] = new;
+            energy = (old + new).mul_add(rates[c], energy);
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        bounds::drill(drill, stiff, &ahead);
-        let sides2 = ([g.area; HOURGLASS], g.area);
-        BOUNDS.apply::<R, N>((&self.section, section), (hourglass, drill), thickness, sides2);
-        let energy = bounds::work(drill, &ahead, bounds::work(hourglass, &rates, energy));
+        let energy = bounds::drill(drill, stiff, &ahead, energy);
+        let lost = BOUNDS.apply::<R, N>(
+            (&self.section, section),
+            (hourglass, drill),
+            (&rates, &ahead),
+            thickness,
+            ([g.area; HOURGLASS], g.area),
+        );
+        let energy = energy + lost;
 
         // 4. Corner forces, mode by mode.
         let couple = warping.as_ref().map_or(R::zero(), |warping| warping.couple(m));
@@ -249,13 +254,7 @@ impl Kernel for BelytschkoTsay {
             }
         }
         let energies = [work * g.area, R::splat(0.5) * energy];
-        let mut response = QuadResponse::new::<Self>(
-            g,
-            (&self.section, section),
-            (force, moment),
-            energies,
-            sound,
-        );
+        let mut response = QuadResponse::new(g, (force, moment), energies, stable_dt, sound);
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, hourglass);

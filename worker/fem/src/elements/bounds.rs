@@ -76,19 +76,21 @@ impl Mode {
 const OF_DRILLING: Mode = Mode::Bending;
 
 impl<const M: usize> Bounds<M> {
-    /// Limits stabilising forces and drilling moments of plastic elements. `columns` are those of
-    /// the section, `sides2` the squares of the sides for each mode and for drilling [length^2].
-    /// Flow stress and roots are computed only in groups with an element that is beyond its
-    /// capacity at the initial yield stress, which is the least flow stress.
+    /// Limits stabilising forces and drilling moments of plastic elements, and returns by how much
+    /// that changes their work on the `increments` [energy]. `columns` are those of the section,
+    /// `sides2` the squares of the sides for each mode and for drilling [length^2]. Flow stress and
+    /// roots are computed only in groups with an element that is beyond its capacity at the initial
+    /// yield stress, which is the least flow stress.
     #[inline(always)]
     pub fn apply<R: PointReal, const N: usize>(
         &self,
         (section, columns): (&Section, &[R]),
         (stabilising, drill): (&mut [R], &mut [R]),
+        increments: (&[R], &[R]),
         thickness: R,
         sides2: ([R; M], R),
-    ) {
-        let Some(yield_stress) = section.least_flow_stress() else { return };
+    ) -> R {
+        let Some(yield_stress) = section.least_flow_stress() else { return R::zero() };
         let exceeds = |force: R, mode: Mode, side2: R, fraction: f64| {
             let square = mode.capacity_squared(yield_stress, thickness, side2);
             (force * force).gt(R::splat(fraction * fraction) * square)
@@ -101,50 +103,58 @@ impl<const M: usize> Bounds<M> {
         for ((&force, &mode), side2) in stabilising[..M].iter().zip(&self.modes).zip(sides2.0) {
             beyond = R::either(beyond, exceeds(force, mode, side2, self.strength));
         }
-        if R::any(beyond) {
-            let flow_stress = section.flow_stress::<R, N>(columns, yield_stress);
-            self.limit((stabilising, drill), (flow_stress, thickness, sides2), beyond);
+        if !R::any(beyond) {
+            return R::zero();
         }
+        let flow_stress = section.flow_stress::<R, N>(columns, yield_stress);
+        self.limit((stabilising, drill), increments, (flow_stress, thickness, sides2), beyond)
     }
 
-    /// Limits the forces of the lanes `beyond`. The others keep their bits, so that an element does
-    /// not depend on its neighbours in a group.
+    /// Limits the forces of the lanes `beyond` and returns by how much that changes their work on
+    /// the increments [energy]. The other lanes keep their bits, so that an element does not depend
+    /// on its neighbours in a group.
     #[cfg_attr(target_arch = "nvptx64", inline(always))]
     #[cfg_attr(not(target_arch = "nvptx64"), cold, inline(never))]
     fn limit<R: Real>(
         &self,
         (stabilising, drill): (&mut [R], &mut [R]),
+        increments: (&[R], &[R]),
         (flow_stress, thickness, sides2): (R, R, ([R; M], R)),
         beyond: R::Mask,
-    ) {
-        let limited = |value: R, bound: R| {
-            R::select(beyond, Real::max(Real::min(value, bound), -bound), value)
+    ) -> R {
+        let mut lost = R::zero();
+        let mut limit = |force: &mut R, bound: R, increment: R| {
+            let within = Real::max(Real::min(*force, bound), -bound);
+            let new = R::select(beyond, within, *force);
+            lost = (new - *force).mul_add(increment, lost);
+            *force = new;
         };
-        for ((force, &mode), side2) in stabilising.iter_mut().zip(&self.modes).zip(sides2.0) {
-            let capacity = mode.capacity(flow_stress, thickness, side2);
-            *force = limited(*force, R::splat(self.strength) * capacity);
+        for c in 0..M {
+            let capacity = self.modes[c].capacity(flow_stress, thickness, sides2.0[c]);
+            limit(&mut stabilising[c], R::splat(self.strength) * capacity, increments.0[c]);
         }
         let capacity = OF_DRILLING.capacity(flow_stress, thickness, sides2.1);
-        for moment in drill {
-            *moment = limited(*moment, R::splat(DRILLING_BOUND) * capacity);
+        for c in 0..DRILLING_MODES {
+            limit(&mut drill[c], R::splat(DRILLING_BOUND) * capacity, increments.1[c]);
         }
+        lost
     }
 }
 
-/// Updates the drilling moments by the increments `ahead` of the drilling modes.
+/// Updates the drilling moments by the increments `ahead` of the drilling modes. Returns `energy`
+/// plus the work of old and new moments, which is twice that of the step.
 #[inline(always)]
-pub fn drill<R: Real>(moments: &mut [R], stiff: R, ahead: &[R]) {
+pub fn drill<R: Real>(moments: &mut [R], stiff: R, ahead: &[R], energy: R) -> R {
+    let mut energy = energy;
     for c in 0..ahead.len() {
         // The first two modes have the weight one half, the other two one quarter.
         let stiff = if c < 2 { stiff } else { R::splat(0.5) * stiff };
-        moments[c] = stiff.mul_add(ahead[c], moments[c]);
+        let old = moments[c];
+        let new = stiff.mul_add(ahead[c], old);
+        moments[c] = new;
+        energy = (old + new).mul_add(ahead[c], energy);
     }
-}
-
-/// Returns `energy` plus the work of forces on increments.
-#[inline(always)]
-pub fn work<R: Real>(forces: &[R], increments: &[R], energy: R) -> R {
-    forces.iter().zip(increments).fold(energy, |sum, (&f, &u)| f.mul_add(u, sum))
+    energy
 }
 
 /// Returns the coefficient of [`drill`] for a stiffness of `alpha G t A/4` per node.

@@ -173,6 +173,7 @@ impl Kernel for FullyIntegratedQuad {
             }
             work = weight.mul_add(on.work, work);
         }
+        let stable_dt = g.stable_dt_now::<Self>(&self.section, section);
 
         // 5. Forces on the rates of stage 3, and drilling.
         let acts = |kind: usize| {
@@ -189,27 +190,22 @@ impl Kernel for FullyIntegratedQuad {
 
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
         let ahead = sides.ahead(g, &motion);
-        let energy = bounds::work(drill, &ahead, zero);
-        bounds::drill(drill, stiff, &ahead);
-        bounds::DRILLING.apply::<R, N>(
+        let energy = bounds::drill(drill, stiff, &ahead, zero);
+        let lost = bounds::DRILLING.apply::<R, N>(
             (&self.section, section),
             (&mut [], drill),
+            (&[], &ahead),
             thickness,
             ([], g.area),
         );
-        let energy = bounds::work(drill, &ahead, energy);
+        let energy = energy + lost;
 
         // 6. Corner forces.
         let hourglass = [-minus_on_tx, on_ty, on_x, on_y];
         let (force, moment) =
             sides.corners(g, &OnSides { n, m, q, shear: [on_xi, on_eta], hourglass, drill });
-        let mut response = QuadResponse::new::<Self>(
-            g,
-            (&self.section, section),
-            (force, moment),
-            [work, R::splat(0.5) * energy],
-            sound,
-        );
+        let mut response =
+            QuadResponse::new(g, (force, moment), [work, R::splat(0.5) * energy], stable_dt, sound);
         if let Some(failed) = self.section.fail_with_last_point(section) {
             response.zero_failed(failed);
             zero_failed(failed, drill);

@@ -61,7 +61,10 @@ use crate::materials::{PointLanes, PointReal};
 use crate::nodes::NodeView;
 use crumple_math::lanes::{Real, cross, dot};
 use crumple_proto::mesh::OwnSection;
-use mode_rows::{ModeRows, scatter, shift_to_middle, shift_to_nodes, zero_corners};
+use mode_rows::{
+    OfMiddle, gather_coordinates, gather_velocities, magnitude, of_middle, scatter, shift_to_nodes,
+    zero_corners,
+};
 
 /// Number of generalised hourglass rates: of tx, ty, vz, vx, vy.
 pub const HOURGLASS: usize = 5;
@@ -211,6 +214,14 @@ impl<R: Real> QuadGeometry<R> {
             taper,
             floor: R::splat(section.inertia_floor()) * (area + taper),
         }
+    }
+
+    /// Returns the present stable step from the columns of the section [time]. Call it long before
+    /// its result is needed: it is a chain of roots and quotients, each of which waits for the one
+    /// before.
+    #[inline(always)]
+    pub fn stable_dt_now<K: Kernel>(&self, section: &Section, columns: &[R]) -> R {
+        section.stable_dt(columns, &self.limits::<K>(section))
     }
 
     /// Returns the square of the side by which the area is divided for the stable length: the
@@ -373,15 +384,14 @@ impl<R: Real> Generalised<'_, R> {
 }
 
 impl<R: Real> QuadResponse<R> {
-    /// Builds the response of the kernel `K` from corner modes in the axes of the element and the
-    /// columns of the section. `energies` are internal and hourglass energy; `healthy` are the
-    /// lanes with the strain increments of a valid step.
+    /// Builds the response from corner modes in the axes of the element. `energies` are internal
+    /// and hourglass energy; `healthy` are the lanes with the strain increments of a valid step.
     #[inline(always)]
-    pub fn new<K: Kernel>(
+    pub fn new(
         g: &QuadGeometry<R>,
-        (section, columns): (&Section, &[R]),
         (force, moment): ([[R; 3]; 3], [[R; 3]; 4]),
         [internal, hourglass]: [R; 2],
+        stable_dt: R,
         healthy: R::Mask,
     ) -> Self {
         let (force, moment) = (g.frame.to_global(force), g.frame.to_global(moment));
@@ -395,7 +405,6 @@ impl<R: Real> QuadResponse<R> {
         let calm = R::both(healthy, g.has_area);
         let finite = (nothing[0] + nothing[1] + nothing[2]).le(R::zero());
         let sound = R::both(calm, finite);
-        let stable_dt = section.stable_dt(columns, &g.limits::<K>(section));
         Self { force, moment, totals: Totals { stable_dt, internal, hourglass, sound }, calm }
     }
 }
@@ -471,7 +480,7 @@ impl<K: Kernel> Formulation for Quad<K> {
         if !geometry.has_area {
             return f64::NAN;
         }
-        section.stable_dt(history, &geometry.limits::<K>(section))
+        geometry.stable_dt_now::<K>(section, history)
     }
 
     fn axes(x: &[[f64; 3]; 4]) -> [[f64; 3]; 3] {
@@ -491,24 +500,23 @@ impl<K: Kernel> Formulation for Quad<K> {
         let section = self.section();
         // The frame is a chain of roots and quotients, each of which waits for the one before. The
         // velocities are gathered after it, so that the processor has other work meanwhile.
-        let mut rows = ModeRows::zero();
-        rows.gather_coordinates(group, nodes.x);
-        let geometry = QuadGeometry::new(&rows.coordinates());
-        rows.gather_velocities(group, nodes);
-        // Rare options work in place on arrays in memory, outside of this function: in registers
-        // they would cost every element a fifth of its time.
-        let mut arm = [L::zero(); 3];
+        let geometry = QuadGeometry::new(&gather_coordinates(group, nodes.x));
+        // Rare options gather once more, outside of this function: here they would cost every
+        // element a fifth of its time.
+        let mut middle = OfMiddle { modes: gather_velocities(group, nodes), arm: [L::zero(); 3] };
         if section.has_offset() {
-            arm = shift_to_middle(&mut rows, section.arm(history));
+            middle = of_middle(group, nodes, section.arm(history));
         }
-        let response = self.0.respond::<L, N>(&geometry, &rows.modes(), history, dt);
+        let OfMiddle { modes, arm } = middle;
+        let response = self.0.respond::<L, N>(&geometry, &modes, history, dt);
         scatter(&response, force, moment);
         let (calm, mut totals) = (response.calm, response.totals);
         if section.has_offset() {
             shift_to_nodes(arm, force, moment);
         }
         if section.deletes {
-            let gone = section.delete_inverted(history, calm, totals.sound, rows.magnitude());
+            let gone =
+                section.delete_inverted(history, calm, totals.sound, magnitude(group, nodes));
             totals.zero_failed(gone);
             zero_corners::<L, W>(gone, force, moment);
         }
@@ -522,9 +530,7 @@ impl<K: Kernel> Formulation for Quad<K> {
         nodes: &NodeView<'_>,
         history: &[L],
     ) -> Totals<L> {
-        let mut rows = ModeRows::<L, W>::zero();
-        rows.gather_coordinates(group, nodes.x);
-        let geometry = QuadGeometry::new(&rows.coordinates());
+        let geometry = QuadGeometry::<L>::new(&gather_coordinates(group, nodes.x));
         let stable_dt = geometry.stable_dt(self.section(), K::STEP);
         let factor = self.section().offset_factor(history);
         let stable_dt = factor.map_or(stable_dt, |factor| factor * stable_dt);

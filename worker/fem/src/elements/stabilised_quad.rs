@@ -154,6 +154,7 @@ impl Kernel for StabilisedQuad {
         self.section.save_points::<R, N>(section, &mut before);
         let Resultants { n, m, q, work, thickness } =
             self.section.update::<R, N>(section, &strains, dt);
+        let stable_dt = g.stable_dt_now::<Self>(&self.section, section);
         let Flow { keep, tangent } = self.section.flow::<R, N>(section, &before);
         let (n, m, q) = (n.each(|n| n * g.area), m.each(|m| m * g.area), q.each(|q| q * g.area));
 
@@ -187,10 +188,10 @@ impl Kernel for StabilisedQuad {
         let kind = [Some(1), Some(1), Some(0), Some(0), None, None];
         let tangent = tangent.each(|ratio| Real::max(ratio, R::splat(self.least_stiffness)));
         let ahead = sides.ahead(g, &motion);
-        let energy = bounds::work(drill, &ahead, bounds::work(stabilising, &rates, R::zero()));
+        let mut energy = R::zero();
         for c in 0..STABILISING {
             let old = stabilising[c];
-            stabilising[c] = match kind[c] {
+            let new = match kind[c] {
                 Some(kind) => {
                     // Unloading is elastic: with the tangent it would release more energy than
                     // loading stored. Loading means that the elastic trial is larger in magnitude,
@@ -200,19 +201,22 @@ impl Kernel for StabilisedQuad {
                 }
                 None => old + more[c],
             };
+            stabilising[c] = new;
+            energy = (old + new).mul_add(rates[c], energy);
         }
         let stiff = bounds::drilling_stiffness(&self.section, self.drilling, thickness, g.area);
-        bounds::drill(drill, stiff, &ahead);
+        let energy = bounds::drill(drill, stiff, &ahead, energy);
         // Squares of the sides of a rectangle. Strain along x varies over the side along y.
         let along_y = R::splat(0.25) * jxx;
         let along_x = R::splat(0.25) * jyy;
-        BOUNDS.apply::<R, N>(
+        let lost = BOUNDS.apply::<R, N>(
             (&self.section, section),
             (stabilising, drill),
+            (&rates, &ahead),
             thickness,
             ([along_x, along_y, along_y, along_x], g.area),
         );
-        let energy = bounds::work(drill, &ahead, bounds::work(stabilising, &rates, energy));
+        let energy = energy + lost;
 
         // 5. Corner forces.
         let [on_tx, on_ty, on_x, on_y, on_xi, on_eta] = std::array::from_fn(|c| stabilising[c]);
@@ -226,13 +230,7 @@ impl Kernel for StabilisedQuad {
         };
         let (force, moment) = sides.corners(g, &on_sides);
         let energies = [work * g.area, R::splat(0.5) * energy];
-        let mut response = QuadResponse::new::<Self>(
-            g,
-            (&self.section, section),
-            (force, moment),
-            energies,
-            sound,
-        );
+        let mut response = QuadResponse::new(g, (force, moment), energies, stable_dt, sound);
         if let Some(failed) = self.section.failed_lanes(section) {
             response.zero_failed(failed);
             zero_failed(failed, stabilising);

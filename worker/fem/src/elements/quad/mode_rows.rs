@@ -8,89 +8,85 @@ use crate::materials::PointLanes;
 use crate::nodes::NodeView;
 use crumple_math::lanes::{Each, Lane, cross};
 
-/// Modes of the corners of a group, one row for each element. Rows are filled in place: they are
-/// too many to be returned without a copy.
-pub(super) struct ModeRows<L: PointLanes<W>, const W: usize> {
-    x: [[L::Row; W]; 3],
-    v: [[L::Row; W]; 3],
-    w: [[L::Row; W]; 4],
+/// Returns the modes 1 - 3, 2 - 4 and h of the corner coordinates of a group [length]. Differences
+/// are taken row by row, before the rows become lanes.
+#[inline(always)]
+pub(super) fn gather_coordinates<L: PointLanes<W>, const W: usize>(
+    group: &GroupNodes<4, W>,
+    x: &[[f64; 4]],
+) -> [[L; 3]; 3] {
+    let mut modes = [[L::row(Lane::splat(0.0)); W]; 3];
+    for lane in 0..W {
+        let corner = group.map(|corner| corner[lane] as usize);
+        let rows = rows_of_coordinates(x, corner).map(L::row);
+        [modes[0][lane], modes[1][lane], modes[2][lane]] = rows;
+    }
+    modes.each(L::from_rows)
 }
 
-impl<L: PointLanes<W>, const W: usize> ModeRows<L, W> {
-    #[inline(always)]
-    pub(super) fn zero() -> Self {
-        let zero = L::row(Lane::splat(0.0));
-        Self { x: [[zero; W]; 3], v: [[zero; W]; 3], w: [[zero; W]; 4] }
+/// Returns the modes of the corner velocities of a group, in the same way.
+#[inline(always)]
+pub(super) fn gather_velocities<L: PointLanes<W>, const W: usize>(
+    group: &GroupNodes<4, W>,
+    nodes: &NodeView<'_>,
+) -> QuadModes<L> {
+    // One length for both columns, so that one bounds check per node is enough.
+    let n = nodes.x.len();
+    let (v, w) = (&nodes.v[..n], &nodes.w[..n]);
+    let zero = L::row(Lane::splat(0.0));
+    let (mut of_v, mut of_w) = ([[zero; W]; 3], [[zero; W]; 4]);
+    for lane in 0..W {
+        let corner = group.map(|corner| corner[lane] as usize);
+        let modes = |column: &[[f64; 4]]| {
+            let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
+            [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
+        };
+        let rows = modes(v);
+        [of_v[0][lane], of_v[1][lane], of_v[2][lane]] = [rows[0], rows[1], rows[2]];
+        let rows = modes(w);
+        [of_w[0][lane], of_w[1][lane], of_w[2][lane], of_w[3][lane]] = rows;
     }
-
-    /// Gathers the corner coordinates of a group. Differences are taken row by row, before the
-    /// rows become lanes.
-    #[inline(always)]
-    pub(super) fn gather_coordinates(&mut self, group: &GroupNodes<4, W>, x: &[[f64; 4]]) {
-        for lane in 0..W {
-            let corner = group.map(|corner| corner[lane] as usize);
-            let rows = rows_of_coordinates(x, corner).map(L::row);
-            (0..3).for_each(|mode| self.x[mode][lane] = rows[mode]);
-        }
-    }
-
-    /// Gathers the corner velocities of a group in the same way.
-    #[inline(always)]
-    pub(super) fn gather_velocities(&mut self, group: &GroupNodes<4, W>, nodes: &NodeView<'_>) {
-        // One length for both columns, so that one bounds check per node is enough.
-        let n = nodes.x.len();
-        let (v, w) = (&nodes.v[..n], &nodes.w[..n]);
-        for lane in 0..W {
-            let corner = group.map(|corner| corner[lane] as usize);
-            let modes = |column: &[[f64; 4]]| {
-                let [a, b, c, d] = corner.map(|node| Lane::new(column[node]));
-                [a - c, b - d, (a + c) - (b + d), (a + c) + (b + d)].map(L::row)
-            };
-            let rows = modes(v);
-            (0..3).for_each(|mode| self.v[mode][lane] = rows[mode]);
-            let rows = modes(w);
-            (0..4).for_each(|mode| self.w[mode][lane] = rows[mode]);
-        }
-    }
-
-    /// Returns the modes 1 - 3, 2 - 4 and h of the coordinates [length].
-    #[inline(always)]
-    pub(super) fn coordinates(&self) -> [[L; 3]; 3] {
-        self.x.each(L::from_rows)
-    }
-
-    #[inline(always)]
-    pub(super) fn modes(&self) -> QuadModes<L> {
-        QuadModes { v: self.v.each(L::from_rows), w: self.w.each(L::from_rows) }
-    }
-
-    /// Returns the sum of all magnitudes, which is not finite if one of them is not.
-    #[cold]
-    #[inline(never)]
-    pub(super) fn magnitude(&self) -> L {
-        let (x, QuadModes { v, w }) = (self.coordinates(), self.modes());
-        let all = [x.as_flattened(), v.as_flattened(), w.as_flattened()];
-        all.into_iter().flatten().fold(L::zero(), |sum, c| sum + c.abs())
-    }
+    QuadModes { v: of_v.each(L::from_rows), w: of_w.each(L::from_rows) }
 }
 
-/// Transforms velocities of the nodes to velocities of the middle surface, `v + w x e n`, which is
-/// at the distance `e` from the nodes along the normal [length]; returns `e n`. The modes of the
-/// coordinates are the same for both.
+/// Returns the sum of the magnitudes of all coordinates and velocities of a group, which is not
+/// finite if one of them is not.
 #[cold]
 #[inline(never)]
-pub(super) fn shift_to_middle<L: PointLanes<W>, const W: usize>(
-    rows: &mut ModeRows<L, W>,
+pub(super) fn magnitude<L: PointLanes<W>, const W: usize>(
+    group: &GroupNodes<4, W>,
+    nodes: &NodeView<'_>,
+) -> L {
+    let x: [[L; 3]; 3] = gather_coordinates(group, nodes.x);
+    let QuadModes { v, w } = gather_velocities::<L, W>(group, nodes);
+    let all = [x.as_flattened(), v.as_flattened(), w.as_flattened()];
+    all.into_iter().flatten().fold(L::zero(), |sum, c| sum + c.abs())
+}
+
+/// Velocities of the middle surface of a group, `v + w x e n`, as modes, and the arm `e n`
+/// [length].
+pub(super) struct OfMiddle<L> {
+    pub modes: QuadModes<L>,
+    pub arm: [L; 3],
+}
+
+/// Returns the velocities of the middle surface, which is at the distance `e` from the nodes along
+/// the normal [length]. The modes of the coordinates are the same for both.
+#[cold]
+#[inline(never)]
+pub(super) fn of_middle<L: PointLanes<W>, const W: usize>(
+    group: &GroupNodes<4, W>,
+    nodes: &NodeView<'_>,
     e: L,
-) -> [L; 3] {
-    let (x, QuadModes { v, w }) = (rows.coordinates(), rows.modes());
+) -> OfMiddle<L> {
+    let x: [[L; 3]; 3] = gather_coordinates(group, nodes.x);
+    let mut modes = gather_velocities::<L, W>(group, nodes);
     let arm = along_normal(e, x[0], x[1]);
     for c in 0..3 {
-        let more = cross(w[c], arm);
-        let shifted = std::array::from_fn(|i| v[c][i] + more[i]);
-        rows.v[c] = L::to_rows(shifted).map(L::row);
+        let more = cross(modes.w[c], arm);
+        modes.v[c] = std::array::from_fn(|i| modes.v[c][i] + more[i]);
     }
-    arm
+    OfMiddle { modes, arm }
 }
 
 /// Adds to the moments on the nodes those of the forces on the middle surface, which act at `arm`
