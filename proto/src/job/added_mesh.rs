@@ -22,8 +22,8 @@ pub struct AddedMeshInput {
     /// 1,000,000 above the ids of the meshes before; `crumple check` prints it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub id_offset: Option<u64>,
-    /// Factor on its lengths, thicknesses of single shells among them, such as 0.001 for a file in
-    /// mm in a job in m.
+    /// Factor on the lengths of its file, such as 0.001 for a file in mm in a job in m. Thicknesses
+    /// of single shells in the file are among them.
     #[serde(default = "unchanged")]
     pub scale: f64,
     /// Rotation, after `scale`.
@@ -32,6 +32,18 @@ pub struct AddedMeshInput {
     /// Displacement, after `scale` and `rotate` [length].
     #[serde(default, rename = "move")]
     pub shift: [f64; 3],
+    /// Thicknesses of single shells as `[id, thickness]` [length], in place of those of the file or
+    /// of their part. Ids are those of the file, without `id_offset`; `scale` does not apply.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub thicknesses: Vec<[f64; 2]>,
+    /// Offsets of single shells as `[id, offset]`, over half the thickness as `part.offset`, in
+    /// place of those of the file or of their part. Ids are those of the file, without `id_offset`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub offsets: Vec<[f64; 2]>,
+    /// Angles of single shells as `[id, angle]`, as in `[mesh]` [degrees]. Ids are those of the
+    /// file, without `id_offset`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub angles: Vec<[f64; 2]>,
 }
 
 /// Returns the factor that changes no length.

@@ -387,17 +387,15 @@ fn a_file_is_included_once_whatever_its_path() {
     }
 }
 
-/// Offsets, thicknesses of corners and pin flags of Nastran elements are refused, or left out if
-/// the job allows it; blank fields and 0 are read, and so are fields after tabs.
+/// Thicknesses of corners, pin flags and offsets of bars of Nastran are refused, or left out if the
+/// job allows it; blank fields and 0 are read, and so are fields after tabs.
 #[test]
 fn fields_of_nastran_elements_are_not_dropped() {
     let plate = text_of("broken/plate.bdf");
     let quad = "CQUAD4         1       7       1       2       5       4";
     let bar = "CBAR          11       8       3       6      0.      0.      1.";
     for (old, new, wanted) in [
-        (quad, "CQUAD4,1,7,1,2,5,4,,.5", "an offset (ZOFFS)"),
         (quad, "CQUAD4,1,7,1,2,5,4\n+,,,.1,.1,.1,.1", "thicknesses of its corners (T1 to T4)"),
-        (quad, "CTRIA3,1,7,1,2,5,,.5", "an offset (ZOFFS)"),
         (bar, "CBAR,11,8,3,6,0.,0.,1.\n+,123", "pin flags (PA, PB)"),
         (bar, "CBAR,11,8,3,6,0.,0.,1.\n+,,,.1", "offsets of its ends (W1A to W3B)"),
     ] {
@@ -411,6 +409,93 @@ fn fields_of_nastran_elements_are_not_dropped() {
     assert_eq!(good("a.bdf", &zero).mesh.elements.len(), 3);
     let tabs = changed(&plate, "GRID,6,,2.,1.,0.", "GRID\t6\t\t2.\t1.\t0.");
     assert_eq!(good("a.bdf", &tabs).mesh.nodes[5].x, [2.0, 1.0, 0.0]);
+}
+
+/// Offsets of shells are keys of the job, from the nodes to the middle surface over half the
+/// thickness. With SPOS of Abaqus the nodes are on the top face. With ZOFFS 0.05 of Nastran and the
+/// thickness 0.1 they are on the bottom face. Contact is then at the true faces.
+#[test]
+fn offsets_of_shells_are_keys_of_the_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let abaqus = text_of("broken/plate.inp");
+    let section = "material=Steel\n";
+    let [top, bottom] = ["offset=SPOS", "offset=sneg"]
+        .map(|offset| changed(&abaqus, section, &format!("material=Steel, {offset}\n")));
+    let bulk = text_of("broken/plate.bdf");
+    let quads = "CQUAD4         1       7       1       2       5       4\n\
+                 CQUAD4         2       7       2       3       6       5\n";
+    let nastran = |one: &str, two: &str| {
+        let new = format!("CQUAD4,1,7,1,2,5,4,,{one}\nCQUAD4,2,7,2,3,6,5,,{two}\n");
+        changed(&bulk, quads, &new)
+    };
+    let own = "# its shells have the offsets of the file";
+    let hint = "# shell_offset = true";
+    let cases: [(&str, String, &[&str], &str); 6] = [
+        ("a.inp", top, &["offset = -1.0", hint], own),
+        ("b.inp", bottom, &["offset = 1.0", hint], own),
+        ("c.inp", abaqus, &[], "offset"),
+        ("d.bdf", nastran(".05", ".05"), &["offset = 1.0", hint], own),
+        ("e.bdf", nastran("-.05", "-.05"), &["offset = -1.0", hint], own),
+        ("f.bdf", nastran(".05", ""), &[own, hint], "offset = 1.0"),
+    ];
+    for (name, text, keys, other) in cases {
+        let (file, out) = (folder.path().join(name), folder.path().join(format!("{name}-job")));
+        fs::write(&file, text).unwrap();
+        let [file, to] = [&file, &out].map(|path| path.to_str().unwrap());
+        run(crumple_with(&["import", file, "--out", to])).with_code(0);
+        let job = fs::read_to_string(out.join("job.toml")).unwrap();
+        assert!(keys.iter().all(|key| job.contains(key)), "{name}: {keys:?}\n{job}");
+        assert!(!job.contains(other), "{name}: {other}\n{job}");
+        let checked = run(crumple_with(&["check", to])).with_code(0).said();
+        assert!(!checked.contains("have the offset"), "{name}: {checked}");
+    }
+    let found = good("a.bdf", &nastran(".05", ".05"));
+    assert_eq!(row(&found, "ZOFFS"), Some((Fate::Read, 2)));
+    let found = good("a.bdf", &nastran("", ".05"));
+    assert_eq!(row(&found, "ZOFFS"), Some((Fate::Read, 1)));
+}
+
+/// Positions in systems of Nastran and Abaqus are in that of the mesh, and the table says so. The
+/// dofs of a support in another system are named.
+#[test]
+fn systems_of_nodes_are_rows_of_the_table() {
+    let plate = text_of("broken/plate.bdf");
+    let cards = "CORD2C,3,,0.,0.,0.,0.,0.,1.\n+,1.,0.,0.\nCORD2R,4,,0.,0.,0.,0.,0.,1.\n\
+                 +,1.,0.,0.\nGRID,6,3,2.,30.,1.,3\n";
+    let found = good("a.bdf", &changed(&plate, "GRID,6,,2.,1.,0.\n", cards));
+    assert_eq!(row(&found, "CORD2C"), Some((Fate::Read, 1)));
+    assert_eq!(row(&found, "CORD2R"), Some((Fate::Ignored, 1)));
+    // 2 cos 30, 2 sin 30.
+    let wanted = [3.0_f64.sqrt(), 1.0, 1.0];
+    let apart = (0..3).map(|c| (found.mesh.nodes[5].x[c] - wanted[c]).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-14, "{:?}", found.mesh.nodes[5]);
+    let spc = "SPC1           1  123456       1       2";
+    let text = changed(&changed(&plate, "GRID,6,,2.,1.,0.\n", cards), spc, "SPC1,1,123,1,6");
+    let found = good("a.bdf", &text);
+    let became = found.rows.iter().find(|row| row.what == "SPC1 1").map(|row| &row.became);
+    assert!(became.unwrap().contains("1 of the nodes have others (CD)"), "{became:?}");
+
+    let plate = text_of("broken/plate.inp");
+    let found =
+        good("a.inp", &changed(&plate, "*Node\n", "*System\n5., 0., 0.\n*Node, system=C\n"));
+    assert_eq!(row(&found, "*NODE, SYSTEM=C"), Some((Fate::Read, 6)));
+    assert_eq!(row(&found, "*SYSTEM"), Some((Fate::Read, 1)));
+    // Node 2 has the radius 1; the instance is moved by 1 along z.
+    assert_eq!(found.mesh.nodes[1].x, [6.0, 0.0, 1.0]);
+}
+
+/// A section with thicknesses at nodes is refused, or has the thickness of its first line if the
+/// job allows it. The thicknesses are a row of the table.
+#[test]
+fn thicknesses_at_nodes_are_not_dropped() {
+    let plate = text_of("broken/plate.inp");
+    let more = "material=Steel, nodal thickness\n";
+    let text = changed(&plate, "material=Steel\n", more);
+    let text = changed(&text, "*End Part", "*Nodal Thickness\nrim, 0.3\n*End Part");
+    refused("a.inp", &text, ":18: the section of `skin` has NODAL THICKNESS");
+    let found = read_text("a.inp", text.as_bytes(), true).ok().unwrap();
+    assert_eq!(found.mesh.parts[0].thickness, Some(0.1));
+    assert_eq!(row(&found, "*NODAL THICKNESS"), Some((Fate::Ignored, 1)));
 }
 
 /// `crumple import` writes only into its folder, and replaces no file there.

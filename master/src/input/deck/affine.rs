@@ -36,14 +36,7 @@ impl Affine {
     /// Returns a rotation by an angle [degree] about the line through `point` along `axis`, which
     /// is a unit vector. Multiples of 90 degrees are exact.
     pub fn rotation(axis: [f64; 3], point: [f64; 3], degrees: f64) -> Self {
-        let turns = degrees.rem_euclid(360.0);
-        let (sine, cosine) = match turns {
-            0.0 => (0.0, 1.0),
-            90.0 => (1.0, 0.0),
-            180.0 => (0.0, -1.0),
-            270.0 => (-1.0, 0.0),
-            angle => angle.to_radians().sin_cos(),
-        };
+        let (sine, cosine) = sine_cosine(degrees);
         let e = axis;
         let skew = [[0.0, -e[2], e[1]], [e[2], 0.0, -e[0]], [-e[1], e[0], 0.0]];
         let entry = |r: usize, c: usize| {
@@ -150,6 +143,17 @@ impl Affine {
             (product - UNIT[r][s]).abs() < 1e-9
         };
         !(0..3).all(|r| (0..3).all(|s| is_kept(r, s)))
+    }
+}
+
+/// Returns sine and cosine of an angle [degree]. Multiples of 90 degrees are exact.
+pub fn sine_cosine(degrees: f64) -> (f64, f64) {
+    match degrees.rem_euclid(360.0) {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        angle => angle.to_radians().sin_cos(),
     }
 }
 

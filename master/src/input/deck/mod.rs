@@ -32,7 +32,7 @@ mod table;
 mod text;
 pub mod translate;
 
-pub use affine::Affine;
+pub use affine::{Affine, sine_cosine};
 pub use convert::mesh::{ListLengths, Places};
 pub use merge::merge;
 pub use text::Text;

@@ -6,6 +6,7 @@ use super::report::{PlacedProblem, SourceFile};
 use super::tree::{Node, Place, SyntaxError};
 use super::validate::JobProblems;
 use super::{SourceFiles, mesh, validate};
+use crate::input::mesh_file::FileMesh;
 use crate::input::{confine, deck, mesh_file};
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::{AddedMeshInput, Job, MeshSource};
@@ -76,7 +77,7 @@ fn read_first(
         if mesh_file::is_own_format(&file) {
             return read_toml_mesh(given, &file, sources, findings);
         }
-        let mut mesh = read_foreign_mesh(&file, given, sources, findings)?;
+        let mut mesh = read_foreign_mesh(&file, job, sources, findings)?;
         mesh.node_sets.extend(own_sets());
         mesh::PlacedMesh::elsewhere(mesh, "mesh.file")
     } else if let Some(generator) = &given.generator {
@@ -96,8 +97,7 @@ fn read_first(
     } else {
         return mesh::from_rows(given, findings);
     };
-    let own = [&given.thicknesses[..], &given.offsets, &given.angles];
-    Some(mesh::with_own_sections(read, own, findings))
+    Some(mesh::with_own_sections(read, &mesh::OwnLists::of(given), findings))
 }
 
 /// Returns the number of meshes that the job gives without a deck.
@@ -145,15 +145,23 @@ fn check_own_sets(given: &MeshSource, findings: &mut JobProblems) -> bool {
     given.node_sets.is_empty()
 }
 
+/// Returns the ids and offsets of the parts of a mesh file that have an offset.
+fn offsets_of(mesh: &FileMesh) -> Vec<(u32, f64)> {
+    mesh.parts.iter().filter_map(|part| Some((part.id, part.offset?))).collect()
+}
+
 /// Reads a mesh file of another program. Reports errors and returns `None` if it is faulty.
 fn read_foreign_mesh(
     file: &Path,
-    given: &MeshSource,
+    job: &Job,
     sources: &mut SourceFiles,
     findings: &mut JobProblems,
 ) -> Option<Mesh> {
-    match mesh_file::read(file, given.allow_unsupported, given.case) {
+    match mesh_file::read(file, job.mesh.allow_unsupported, job.mesh.case) {
         Ok(read) => {
+            let shown = file.display().to_string();
+            let offsets = offsets_of(&read.mesh).into_iter().map(|(id, offset)| (id, id, offset));
+            added::warn_of_offsets((&shown, "mesh.file"), offsets, job, findings);
             sources.mesh_rows = read.rows;
             sources.mesh_files = read.files;
             read.warnings.into_iter().for_each(|warning| findings.add(warning));
@@ -250,8 +258,8 @@ fn read_added(
     if mesh_file::is_own_format(&path) {
         sources.mesh_files.push(path.clone());
         let mesh = added_rows(&path, add)?;
-        let (parts, rows) = Default::default();
-        return Some(AddedFile { file, format: "TOML", mesh, parts, rows });
+        let (parts, offsets, rows) = Default::default();
+        return Some(AddedFile { file, format: "TOML", mesh, parts, offsets, rows });
     }
     match mesh_file::read(&path, given.allow_unsupported, None) {
         Ok(read) => {
@@ -266,8 +274,9 @@ fn read_added(
                 add(Problem::warning("", message, help));
             }
             let parts = read.mesh.parts.iter().map(|part| (part.id, part.name.clone())).collect();
+            let offsets = offsets_of(&read.mesh);
             let (format, mesh) = (read.format.name, read.mesh.to_mesh());
-            Some(AddedFile { file, format, mesh, parts, rows: read.rows })
+            Some(AddedFile { file, format, mesh, parts, offsets, rows: read.rows })
         }
         Err(problems) => {
             problems.into_iter().for_each(add);

@@ -9,7 +9,7 @@ use super::validate::JobProblems;
 use crate::input::deck::ListLengths;
 use added::AddedRange;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{Job, MeshSource};
+use crumple_proto::job::{AddedMeshInput, Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape, corner_nodes};
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::elements::LARGEST_OFFSET;
@@ -180,9 +180,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
             (corners.len() == 1).then_some(Shape::Point1)
         }));
     }
-    assign(&mut mesh, &THICKNESS, &source.thicknesses, &mut few);
-    assign(&mut mesh, &OFFSET, &source.offsets, &mut few);
-    assign(&mut mesh, &ANGLE, &source.angles, &mut few);
+    OwnLists::of(source).assign(&mut mesh, &mut few);
     for (name, ids) in &source.node_sets {
         mesh.node_sets.insert(name.clone(), ids.iter().copied().map(NodeId).collect());
     }
@@ -200,16 +198,46 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
     whole.then_some(PlacedMesh { mesh, written: Written::Rows(lists), added: Vec::new() })
 }
 
+/// Lists of thicknesses, offsets and angles of single shells of a mesh.
+pub struct OwnLists<'a> {
+    thicknesses: &'a [[f64; 2]],
+    offsets: &'a [[f64; 2]],
+    angles: &'a [[f64; 2]],
+    /// Path of the table that has the lists.
+    path: String,
+    /// Begin of messages.
+    of: String,
+}
+
+impl<'a> OwnLists<'a> {
+    /// Returns the lists of the mesh of a job, without those that are added to it.
+    pub fn of(source: &'a MeshSource) -> Self {
+        let MeshSource { thicknesses, offsets, angles, .. } = source;
+        OwnLists { thicknesses, offsets, angles, path: "mesh".into(), of: String::new() }
+    }
+
+    /// Returns the lists of the mesh with this number that is added.
+    fn of_added(index: usize, input: &'a AddedMeshInput) -> Self {
+        let AddedMeshInput { thicknesses, offsets, angles, file, .. } = input;
+        let (path, of) = (format!("mesh.add.{index}"), format!("{file}: "));
+        OwnLists { thicknesses, offsets, angles, path, of }
+    }
+
+    /// Assigns the values to the shells of a mesh. Reports rows that do not fit it.
+    fn assign(&self, mesh: &mut Mesh, few: &mut Few<'_>) {
+        self.assign_one(mesh, &THICKNESS, self.thicknesses, few);
+        self.assign_one(mesh, &OFFSET, self.offsets, few);
+        self.assign_one(mesh, &ANGLE, self.angles, few);
+    }
+}
+
 /// Assigns thicknesses, offsets and angles of their own to shells, from the lists of a job.
 pub fn with_own_sections(
     mut read: PlacedMesh,
-    [thicknesses, offsets, angles]: [&[[f64; 2]]; 3],
+    lists: &OwnLists<'_>,
     findings: &mut JobProblems,
 ) -> PlacedMesh {
-    let mut few = Few::new(findings);
-    assign(&mut read.mesh, &THICKNESS, thicknesses, &mut few);
-    assign(&mut read.mesh, &OFFSET, offsets, &mut few);
-    assign(&mut read.mesh, &ANGLE, angles, &mut few);
+    lists.assign(&mut read.mesh, &mut Few::new(findings));
     read
 }
 
@@ -246,49 +274,53 @@ const ANGLE: OwnValue = OwnValue {
     set: |own, angle| own.angle = angle,
 };
 
-fn assign(mesh: &mut Mesh, value: &OwnValue, rows: &[[f64; 2]], few: &mut Few<'_>) {
-    if rows.is_empty() {
-        return;
-    }
-    let OwnValue { list, called, wanted, .. } = value;
-    let at: HashMap<ElemId, usize> =
-        mesh.elements.iter().enumerate().map(|(i, e)| (e.id, i)).collect();
-    let mut given = HashSet::with_capacity(rows.len());
-    for (index, &[id, number]) in rows.iter().enumerate() {
-        let path = || format!("mesh.{list}.{index}");
-        let whole = id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id);
-        let Some(&place) = at.get(&ElemId(id as u64)).filter(|_| whole) else {
-            few.error(
-                "no shell",
-                path(),
-                format!("there is no element {id}"),
-                &format!("a row is [id of a shell, {called}]"),
-            );
-            continue;
-        };
-        let element = &mut mesh.elements[place];
-        if !element.shape.is_shell() {
-            let message = format!("element {id} is not a shell and has no {called}");
-            few.error("no shell", path(), message, "remove this row");
+impl OwnLists<'_> {
+    fn assign_one(&self, mesh: &mut Mesh, value: &OwnValue, rows: &[[f64; 2]], few: &mut Few<'_>) {
+        if rows.is_empty() {
+            return;
         }
-        if !(value.fits)(number) {
-            let message = format!("element {id}: its {called} is {number:?}");
-            let help = format!(
-                "it has to be {wanted}; without a row a shell has the {called} of its part"
-            );
-            few.error(called, path(), message, &help);
+        let OwnValue { list, called, wanted, .. } = value;
+        let OwnLists { path, of, .. } = self;
+        let at: HashMap<ElemId, usize> =
+            mesh.elements.iter().enumerate().map(|(i, e)| (e.id, i)).collect();
+        let mut given = HashSet::with_capacity(rows.len());
+        for (index, &[id, number]) in rows.iter().enumerate() {
+            let path = || format!("{path}.{list}.{index}");
+            let whole = id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id);
+            let Some(&place) = at.get(&ElemId(id as u64)).filter(|_| whole) else {
+                few.error(
+                    "no shell",
+                    path(),
+                    format!("{of}there is no element {id}"),
+                    &format!("a row is [id of a shell, {called}]"),
+                );
+                continue;
+            };
+            let element = &mut mesh.elements[place];
+            if !element.shape.is_shell() {
+                let message = format!("{of}element {id} is not a shell and has no {called}");
+                few.error("no shell", path(), message, "remove this row");
+            }
+            if !(value.fits)(number) {
+                let message = format!("{of}element {id}: its {called} is {number:?}");
+                let help = format!(
+                    "it has to be {wanted}; without a row a shell has the {called} of its part"
+                );
+                few.error(called, path(), message, &help);
+            }
+            if !given.insert(place) {
+                let message =
+                    format!("{of}element {id} is given {} {called} twice", article(called));
+                few.error("given twice", path(), message, "remove one of the two rows");
+            }
+            (value.set)(&mut element.own, number);
         }
-        if !given.insert(place) {
-            let message = format!("element {id} is given {} {called} twice", article(called));
-            few.error("given twice", path(), message, "remove one of the two rows");
-        }
-        (value.set)(&mut element.own, number);
     }
 }
 
 /// Returns the indefinite article of a word.
 fn article(word: &str) -> &'static str {
-    if word.starts_with('o') { "an" } else { "a" }
+    if word.starts_with(['a', 'o']) { "an" } else { "a" }
 }
 
 const SHELL_ROW: &str = "write [id, part id, n1, n2, n3, n4], or three nodes for a triangle";

@@ -56,6 +56,9 @@ pub struct FilePart {
     pub material: Option<String>,
     /// Thickness of its shells, if the file has it [length].
     pub thickness: Option<f64>,
+    /// Distance from the nodes of its shells to their middle surface along the normal, over half
+    /// the thickness, if the file has one.
+    pub offset: Option<f64>,
     /// Section of its beams, if the file has it.
     pub beam: Option<BeamInput>,
     /// True if it is rigid.

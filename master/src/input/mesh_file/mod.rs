@@ -7,8 +7,8 @@
 //!    [`crate::input::exodus`]
 //! 3. `reading.rs`: the file while it is read, its problems with their lines, the table of what
 //!    became of its content; `content.rs`: what all readers return; `cells.rs`: types of cells;
-//!    `boundary.rs`: elements that only bound others; `signatures.rs`: signs of formats that are
-//!    not read
+//!    `boundary.rs`: elements that only bound others; `systems.rs`: coordinate systems of nodes;
+//!    `signatures.rs`: signs of formats that are not read
 //! 4. `import.rs`: `crumple import`, which writes a job for a mesh file
 //!
 //! No input may cause a panic here.
@@ -23,6 +23,7 @@ mod nastran;
 mod reading;
 mod signatures;
 mod stl;
+mod systems;
 mod vtk;
 
 pub use content::{FileMaterial, FileMesh, FilePart, FileRate};
@@ -438,4 +439,36 @@ fn unknown(path: &Path, empty: bool) -> (String, String) {
         None => format!("the format of {shown} is not known"),
     };
     (message, format!("export the mesh again, in one of these formats: {}", names.join("; ")))
+}
+
+/// Helps the tests of readers.
+#[cfg(test)]
+mod testing {
+    use super::content::FileMesh;
+    use super::reading::MeshReading;
+    use std::path::Path;
+
+    fn reading(reader: fn(&mut MeshReading, &[u8]), text: &str) -> MeshReading {
+        let mut reading = MeshReading::new(Path::new("file"), false);
+        reader(&mut reading, text.as_bytes());
+        reading.finish();
+        reading
+    }
+
+    /// Returns the mesh of a text without errors.
+    pub fn mesh_of(reader: fn(&mut MeshReading, &[u8]), text: &str) -> FileMesh {
+        let reading = reading(reader, text);
+        let mesh = reading.mesh.clone();
+        assert!(!reading.has_errors(), "{:?}\n{text}", reading.into_problems());
+        mesh
+    }
+
+    /// Returns the messages of a text with errors. Each has a cure.
+    pub fn errors_of(reader: fn(&mut MeshReading, &[u8]), text: &str) -> Vec<String> {
+        let reading = reading(reader, text);
+        assert!(reading.has_errors(), "it is read:\n{text}");
+        let problems = reading.into_problems();
+        assert!(problems.iter().all(|problem| !problem.help.is_empty()), "{problems:?}");
+        problems.into_iter().map(|problem| problem.message).collect()
+    }
 }

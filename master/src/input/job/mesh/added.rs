@@ -1,7 +1,7 @@
 //! Meshes that a job adds to its mesh (`[[mesh.add]]`): their ids, their place in space and the
 //! names of their node sets.
 
-use super::PlacedMesh;
+use super::{Few, OwnLists, PlacedMesh};
 use crate::input::deck::Affine;
 use crate::input::job::validate::JobProblems;
 use crate::input::job::walls::unit;
@@ -28,6 +28,8 @@ pub struct AddedFile {
     pub mesh: Mesh,
     /// Names of its parts by id, empty without one; none if parts have no sets of their own.
     pub parts: BTreeMap<u32, String>,
+    /// Ids and offsets of its parts that have an offset.
+    pub offsets: Vec<(u32, f64)>,
     /// Table of its content.
     pub rows: Vec<ImportRow>,
 }
@@ -95,6 +97,31 @@ pub fn check(list: &[AddedMeshInput], findings: &mut JobProblems) -> bool {
     is_good
 }
 
+/// Warns of parts whose shells have an offset in a mesh file and none in the job: ids in the file
+/// and in the job, and the offset. The first argument is the file and the key that names it.
+pub fn warn_of_offsets(
+    (file, key): (&str, &str),
+    offsets: impl Iterator<Item = (u32, u32, f64)>,
+    job: &Job,
+    findings: &mut JobProblems,
+) {
+    for (of_file, id, offset) in offsets {
+        let part = job.part.iter().find(|part| part.id == id);
+        if part.is_none_or(|part| part.offset != 0.0) {
+            continue;
+        }
+        let message = format!(
+            "{file}: the shells of its part {of_file} have the offset {offset:?} over half the \
+             thickness, and part {id} of the job has none"
+        );
+        let help = format!(
+            "write offset = {offset:?} in the [[part]] with id = {id}; without it their nodes are \
+             on the middle surface"
+        );
+        findings.add(Problem::warning(key, message, help));
+    }
+}
+
 /// Returns the map of the points of an added mesh; `None` if its axis has no direction.
 fn placement(added: &AddedMeshInput) -> Option<Affine> {
     let mut map = Affine::scale([added.scale; 3]);
@@ -132,9 +159,15 @@ impl PlacedMesh {
         let (ids, part_ids) = (addition.id_offset(&self.mesh), addition.part_offset(&self.mesh));
         let (map, id_offset, part_offset) = (placement(input)?, ids?, part_ids?);
         let names = addition.names(&self.mesh, part_offset, job)?;
-        let AddedFile { file, format, mesh, parts, rows } = addition.from;
+        let AddedFile { file, format, mut mesh, parts, offsets, rows } = addition.from;
+        let findings = addition.findings;
+        mesh.elements.iter_mut().for_each(|element| element.own.thickness *= input.scale);
+        OwnLists::of_added(index, input).assign(&mut mesh, &mut Few::new(findings));
+        let key = format!("mesh.add.{index}.file");
+        let offsets = offsets.into_iter().map(|(id, offset)| (id, id + part_offset, offset));
+        warn_of_offsets((&file, &key), offsets, job, findings);
         self.added.push(AddedRange {
-            key: format!("mesh.add.{index}.file"),
+            key,
             origin: format!("{file} (its ids + {id_offset}, those of its parts + {part_offset})"),
             first_node: self.mesh.nodes.len(),
             first_element: self.mesh.elements.len(),
@@ -145,15 +178,11 @@ impl PlacedMesh {
         let ids: BTreeSet<u32> = mesh.elements.iter().map(|e| e.part).collect();
         let nodes = mesh.nodes.iter();
         self.mesh.nodes.extend(nodes.map(|n| MeshNode { id: node(n.id), x: map.point(n.x) }));
-        self.mesh.elements.extend(mesh.elements.iter().map(|e| {
-            let mut placed = MeshElement {
-                id: ElemId(e.id.0 + id_offset),
-                part: of_job(e.part),
-                nodes: e.nodes.map(node),
-                ..*e
-            };
-            placed.own.thickness *= input.scale;
-            placed
+        self.mesh.elements.extend(mesh.elements.iter().map(|e| MeshElement {
+            id: ElemId(e.id.0 + id_offset),
+            part: of_job(e.part),
+            nodes: e.nodes.map(node),
+            ..*e
         }));
         for (name, ids) in mesh.node_sets {
             self.mesh.node_sets.insert(names[&name].clone(), ids.into_iter().map(node).collect());
@@ -424,6 +453,81 @@ mod tests {
         assert_eq!(labels(&model.mesh.node_sets["corner"]), [1_000_003]);
         let (beam, axis) = model.settings.axes[0];
         assert_eq!((beam.label(), axis), (1_000_002, [0.0, 0.0, 50.0]));
+    }
+
+    /// Values of single shells that the job gives for an added mesh are for the ids of its file.
+    /// The same file without them keeps its own. Lengths of the job are not scaled.
+    #[test]
+    fn an_added_mesh_has_values_of_its_own_for_single_shells() {
+        let beam = "[part.beam]\nsection = \"tube\"\nradius = 1.0\n";
+        let keys = "[[mesh.add]]\nfile = \"rows.toml\"\nscale = 10.0\nmove = [9.0, 0.0, 3.0]\n\
+                    thicknesses = [[1, 0.25]]\noffsets = [[1, -1.0]]\nangles = [[1, 30.0]]\n\
+                    [[mesh.add]]\nfile = \"rows.toml\"\nscale = 10.0\nmove = [9.0, 0.0, 90.0]\n";
+        let mut text = job(&[1007, 1008, 2007, 2008], "");
+        // The parts of beams have no thickness.
+        for id in ["id = 1008", "id = 2008"] {
+            let (head, tail) = text.split_at(text.find(id).unwrap());
+            text = format!("{head}{}", tail.replacen("thickness = 1.0\n", beam, 1));
+        }
+        let model = model_of(&[("job.toml", &(text + keys)), ("rows.toml", ROWS)]);
+        let own = |id: u64| model.mesh.elements.iter().find(|e| e.id.label() == id).unwrap().own;
+        let first = own(1_000_001);
+        assert_eq!((first.thickness, first.offset, first.angle), (0.25, Some(-1.0), 30.0));
+        let second = own(2_000_001);
+        assert_eq!((second.thickness, second.offset, second.angle), (5.0, None, 0.0));
+        // Element 1 of the plate has the same id as the shell in its file.
+        let plate = own(1);
+        assert_eq!((plate.thickness, plate.offset, plate.angle), (0.0, None, 0.0));
+    }
+
+    /// Rows that do not fit an added mesh name the file, the shell, the line and the cure.
+    #[test]
+    fn values_of_single_shells_fit_their_added_mesh() {
+        let keys = "[[mesh.add]]\nfile = \"rows.toml\"\n\
+                    thicknesses = [[1_000_001, 0.25], [1, 0.0]]\n\
+                    offsets = [[2, 1.0], [1, 11.0]]\nangles = [[1, 5.0], [1, 6.0]]\n";
+        let report = report_of(&[("job.toml", &job(&[], keys)), ("rows.toml", ROWS)]);
+        assert_says(
+            &report,
+            &[
+                "rows.toml: there is no element 1000001",
+                "a row is [id of a shell, thickness]",
+                "rows.toml: element 1: its thickness is 0.0",
+                "rows.toml: element 2 is not a shell and has no offset",
+                "rows.toml: element 1: its offset is 11.0",
+                "rows.toml: element 1 is given an angle twice",
+                "job.toml:",
+            ],
+        );
+    }
+
+    /// The nodes of an Abaqus plate are on its top face. A job whose part has no offset has a
+    /// warning with the value to write, which is gone once it is written.
+    #[test]
+    fn an_offset_of_a_file_that_the_job_lacks_is_warned_of() {
+        let plate = "*NODE\n1, 0., 0., 9.\n2, 1., 0., 9.\n3, 1., 1., 9.\n4, 0., 1., 9.\n\
+                     *ELEMENT, TYPE=S4, ELSET=skin\n1, 1, 2, 3, 4\n\
+                     *SHELL SECTION, ELSET=skin, OFFSET=SPOS\n0.5,\n";
+        let warnings = |job: &str| {
+            let model = model_of(&[("job.toml", job), ("plate.inp", plate)]);
+            model.warnings.iter().map(|w| model.show(w).to_string()).collect::<String>()
+        };
+        let added = job(&[1001], "[[mesh.add]]\nfile = \"plate.inp\"\n");
+        assert_says(
+            &warnings(&added),
+            &[
+                "plate.inp: the shells of its part 1 have the offset -1.0 over half the thickness, \
+                 and part 1001 of the job has none",
+                "write offset = -1.0 in the [[part]] with id = 1001",
+            ],
+        );
+        let given = added.replace("id = 1001\n", "id = 1001\noffset = -1.0\n");
+        assert!(!warnings(&given).contains("have the offset"));
+        let (source, file) = ("generator = \"plate\"", "file = \"plate.inp\"");
+        assert_says(
+            &warnings(&job(&[], "").replace(source, file)),
+            &["part 1 of the job has none"],
+        );
     }
 
     /// All errors come at once, each with its line in the job, file, entity and cure.

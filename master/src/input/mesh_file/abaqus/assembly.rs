@@ -3,11 +3,13 @@
 use super::AbaqusModel;
 use super::assembly_sets::AssemblySets;
 use super::blocks::AbaqusBlock;
-use super::scope::{MeshScope, ScopeElement, SectionBlock, foreign_id, is_general, number_of};
+use super::scope::{MeshScope, ScopeElement, foreign_id, number_of};
+use super::sections::{SectionBlock, is_general};
 use crate::input::mesh_file::boundary::{CellGroup, bounding};
 use crate::input::mesh_file::cells::{Cell, CellUse};
 use crate::input::mesh_file::content::FileNode;
 use crate::input::mesh_file::reading::{Fate, MeshReading, NODE_HELP};
+use crate::input::mesh_file::systems::{cross, dot};
 use crumple_proto::job::{BeamInput, BeamSection};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -74,14 +76,6 @@ impl InstanceBlock {
             start[c] + r[c] * cos + across[c] * sin + k[c] * along * (1.0 - cos)
         })
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// A scope at its place in the mesh.
@@ -377,10 +371,15 @@ impl PartTable<'_> {
                 _ if section.kind.starts_with("S") || section.kind.starts_with("M") => {
                     part.thickness = section.numbers.first().and_then(|row| row.first()).copied();
                     part.thickness = part.thickness.filter(|&t| t > 0.0);
+                    part.offset = section.offset;
                 }
                 _ => {}
             }
+            let offset = part.offset.map(|offset| format!("offset {offset:?} of part {id}"));
             check_section(section, element.cell, part.beam.is_some(), part.thickness, reading);
+            if let Some(became) = offset {
+                reading.row(Fate::Read, format!("OFFSET of {block}"), 1, became);
+            }
         }
         self.known.insert(key, index);
         index

@@ -12,7 +12,9 @@ mod assembly_sets;
 mod blocks;
 mod elements;
 mod materials;
+mod nodes;
 mod scope;
+mod sections;
 
 use super::content::FilePlace;
 use super::reading::{Fate, MeshReading};
@@ -81,11 +83,12 @@ const IGNORED: &[(&str, &str)] = &[
     ("SECTION CONTROLS", "part.hourglass"),
     ("TRANSVERSE SHEAR STIFFNESS", "shear stiffness, which follows from the material"),
     ("HOURGLASS STIFFNESS", "part.hourglass"),
+    ("NODAL THICKNESS", "thicknesses at nodes, which no section here has: mesh.thicknesses"),
 ];
 
 /// Keywords that make nodes or elements; a mesh without them is wrong.
 const MAKE_MESH: &[&str] =
-    &["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "PARAMETER", "SUBSTRUCTURE"];
+    &["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "PARAMETER", "SUBSTRUCTURE"];
 
 /// Reads a file.
 pub fn read(reading: &mut MeshReading, bytes: &[u8]) {

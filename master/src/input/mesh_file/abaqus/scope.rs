@@ -2,7 +2,9 @@
 
 use super::blocks::{AbaqusBlock, DataLine};
 use super::elements::{cell_of, face, is_rigid};
-use crate::input::deck::number;
+use super::nodes;
+use super::sections::SectionBlock;
+use crate::input::deck::{Affine, number};
 use crate::input::mesh_file::cells::{Cell, CellUse};
 use crate::input::mesh_file::content::{FileNode, FilePlace};
 use crate::input::mesh_file::reading::{Fate, MeshReading};
@@ -50,26 +52,14 @@ impl NamedIds {
     }
 }
 
-/// A section of elements.
-pub struct SectionBlock {
-    /// Keyword.
-    pub kind: String,
-    /// Set of its elements.
-    pub elements: String,
-    pub material: Option<String>,
-    /// Value of `SECTION`, in capitals.
-    pub profile: String,
-    /// Numbers of its lines.
-    pub numbers: Vec<Vec<f64>>,
-    pub place: FilePlace,
-}
-
 /// A part, an instance, or a file without parts.
 #[derive(Default)]
 pub struct MeshScope {
     /// Name; empty for a file without parts.
     pub name: String,
     pub nodes: Vec<FileNode>,
+    /// Axes of the nodes that follow.
+    pub axes: Affine,
     pub elements: Vec<ScopeElement>,
     /// Nodes of other scopes; elements name them by [`foreign_id`] of the index.
     pub foreign: Vec<ForeignNode>,
@@ -91,6 +81,7 @@ impl MeshScope {
     pub fn read(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) -> bool {
         match block.keyword.as_str() {
             "NODE" => self.nodes(block, reading),
+            "SYSTEM" => self.axes = nodes::axes(block, reading).unwrap_or_default(),
             "ELEMENT" => self.elements(block, reading),
             "NSET" => self.node_set(block, reading),
             "ELSET" => self.element_set(block, reading),
@@ -111,32 +102,8 @@ impl MeshScope {
     }
 
     fn nodes(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
-        if block.value("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
-            let message = "coordinates are cylindrical or spherical";
-            let help = "export the nodes in rectangular coordinates";
-            reading.error("system", block.place, message, help);
-            return;
-        }
         let first = self.nodes.len();
-        for line in &block.data {
-            let help = "write id, x, y, z";
-            let Some(id) = id_of(line, 0) else {
-                let message = format!("`{}` is no node id", field(line, 0));
-                reading.error("node", line.place, message, help);
-                continue;
-            };
-            let mut x = [0.0; 3];
-            for (axis, value) in x.iter_mut().enumerate() {
-                match number_of(line, axis + 1) {
-                    Ok(number) => *value = number.unwrap_or(0.0),
-                    Err(text) => {
-                        let message = format!("node {id}: `{text}` is no coordinate");
-                        reading.error("coordinate", line.place, message, help);
-                    }
-                }
-            }
-            self.nodes.push(FileNode { id, x, place: line.place });
-        }
+        self.nodes.extend(nodes::nodes(block, &self.axes, reading));
         if let Some(name) = block.value("NSET") {
             let ids = self.nodes[first..].iter().map(|node| node.id).collect::<Vec<_>>();
             add_ids(&mut self.node_sets, name, block, ids);
@@ -303,36 +270,7 @@ impl MeshScope {
 
     fn section(&mut self, block: &AbaqusBlock, reading: &mut MeshReading) {
         let Some(elements) = set_name(block, "ELSET", reading) else { return };
-        let mut numbers = Vec::new();
-        for line in &block.data {
-            // Fields that are no numbers name materials of layers and the like.
-            let row = (0..line.fields.len()).map(|i| number_of(line, i));
-            numbers.push(row.map(|n| n.ok().flatten().unwrap_or(0.0)).collect());
-        }
-        let of = |name: &str| block.value(name).map(String::from);
-        self.sections.push(SectionBlock {
-            kind: block.keyword.clone(),
-            elements: elements.to_string(),
-            material: of("MATERIAL"),
-            profile: of("SECTION").unwrap_or_default().to_uppercase(),
-            numbers,
-            place: block.place,
-        });
-        if block.has("COMPOSITE") {
-            let message = format!("the section of `{elements}` is a composite");
-            let help = "use a section of one material";
-            reading.unsupported("composite", block.place, message, help);
-        }
-        if is_general(&block.keyword) && !block.has("MATERIAL") && !block.has("COMPOSITE") {
-            let message = format!("the section of `{elements}` has stiffnesses and no material");
-            let help = "use *SHELL SECTION with a thickness and MATERIAL=";
-            reading.unsupported("general section", block.place, message, help);
-        }
-        if block.has("OFFSET") {
-            let message = format!("the section of `{elements}` has an OFFSET");
-            let help = "set part.offset in the job";
-            reading.unsupported("offset", block.place, message, help);
-        }
+        self.sections.push(SectionBlock::read(block, elements, reading));
     }
 
     /// Returns the nodes of elements.
@@ -341,11 +279,6 @@ impl MeshScope {
         let own = self.elements.iter().filter(|e| wanted.contains(&e.id));
         own.flat_map(|e| e.corners.iter().copied()).collect()
     }
-}
-
-/// Returns true for sections of shells that may have stiffnesses instead of a thickness.
-pub fn is_general(kind: &str) -> bool {
-    kind == "SHELL GENERAL SECTION"
 }
 
 /// Returns true if the lines of a surface name nodes.
@@ -386,6 +319,9 @@ pub fn rigid_set<'b>(block: &'b AbaqusBlock, reading: &mut MeshReading) -> Optio
             reading.row(Fate::LeftOut, format!("*RIGID BODY, {parameter}"), 1, advice);
         }
     }
+    if block.has("OFFSET") {
+        reading.row(Fate::LeftOut, "*RIGID BODY, OFFSET", 1, "part.offset");
+    }
     let set = block.value("ELSET").filter(|set| !set.is_empty());
     match set {
         Some(_) => {
@@ -402,7 +338,8 @@ pub fn field(line: &DataLine, index: usize) -> &str {
     line.fields.get(index).map_or("", String::as_str)
 }
 
-fn id_of(line: &DataLine, index: usize) -> Option<u64> {
+/// Returns a whole number from 0; `None` if the field is none.
+pub fn id_of(line: &DataLine, index: usize) -> Option<u64> {
     number::integer(field(line, index).as_bytes()).and_then(|id| u64::try_from(id).ok())
 }
 

@@ -1,5 +1,6 @@
 //! Text of a job for a mesh file.
 
+use super::super::content::FileElement;
 use super::super::{FileMaterial, FileMesh, FilePart, FileRate, ReadMesh};
 use crate::input::job::{modulus_fits, steel_in, units_fit};
 use crumple_proto::job::{BeamInput, BeamSection};
@@ -274,6 +275,17 @@ fn parts(mesh: &FileMesh, placeholders: &mut Vec<String>) -> String {
             if part.thickness.is_none() {
                 placeholders.push(key("thickness"));
             }
+            if let Some(offset) = part.offset {
+                let _ = writeln!(
+                    out,
+                    "offset = {offset:?}    # from the nodes to the middle surface, over half the \
+                     thickness"
+                );
+            }
+            let has_own = |e: &FileElement| e.part == index && e.own.offset.is_some();
+            if mesh.elements.iter().any(has_own) {
+                out += "# its shells have the offsets of the file\n";
+            }
         }
         if beams > 0 {
             out += &beam_section(part.beam.as_ref(), thickness);
@@ -342,6 +354,14 @@ fn rigid(mesh: &FileMesh) -> String {
 
 /// Returns sections that most jobs need, as comments.
 fn hints(mesh: &FileMesh) -> String {
+    let has_offsets = mesh.parts.iter().any(|part| part.offset.is_some())
+        || mesh.elements.iter().any(|element| element.own.offset.is_some());
+    let shell_offset = match has_offsets {
+        true => {
+            "# shell_offset = true           # contact at the true faces of shells with offsets\n"
+        }
+        false => "",
+    };
     let sets: Vec<String> = mesh.node_sets.keys().map(|name| quoted(name)).collect();
     let sets = match &sets[..] {
         [] => "a rule or the name of a part".to_string(),
@@ -359,6 +379,7 @@ fn hints(mesh: &FileMesh) -> String {
          # velocity = [0.0, 0.0, -1.0]\n\
          #\n\
          # [contact]                       # all parts touch each other and themselves\n\
-         # friction = 0.2\n"
+         # friction = 0.2\n\
+         {shell_offset}"
     )
 }

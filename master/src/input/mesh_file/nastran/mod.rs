@@ -5,15 +5,19 @@
 //! and so are sets, as `set_ID` or with their names.
 
 mod cards;
+mod nodes;
+mod offsets;
 mod properties;
 mod sets;
 
 use super::boundary;
 use super::cells::{Cell, CellUse};
-use super::content::{FileNode, FilePlace};
+use super::content::FilePlace;
 use super::reading::{Fate, MeshReading};
 use cards::{BulkCard, BulkText, FieldFault, NamedId, NamedKind};
 use crumple_proto::mesh::Shape;
+use nodes::SystemTable;
+use offsets::BulkOffsets;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Returns true if a line begins bulk data or is a card of nodes or elements.
@@ -51,8 +55,6 @@ const ELEMENTS: &[(&str, &[(usize, Cell)])] = &[
 
 /// Fields of elements that are not read: cards, indices of the fields, their meaning, the cure.
 const NOT_READ: &[(&[&str], &[usize], &str, &str)] = &[
-    (&["CQUAD4", "CQUADR"], &[7], OFFSET, OFFSET_CURE),
-    (&["CTRIA3", "CTRIAR"], &[6], OFFSET, OFFSET_CURE),
     (&["CQUAD4", "CQUADR", "CTRIA3", "CTRIAR"], &[10, 11, 12, 13], CORNERS, CORNERS_CURE),
     (&["CBAR", "CBEAM"], &[8, 9], "pin flags (PA, PB)", "write 0, or use another connection"),
     (
@@ -62,8 +64,6 @@ const NOT_READ: &[(&[&str], &[usize], &str, &str)] = &[
         "move its nodes and leave the fields blank",
     ),
 ];
-const OFFSET: &str = "an offset (ZOFFS)";
-const OFFSET_CURE: &str = "leave the field blank and set part.offset in the job";
 const CORNERS: &str = "thicknesses of its corners (T1 to T4)";
 const CORNERS_CURE: &str = "leave the fields blank and give the thickness by PSHELL";
 
@@ -92,8 +92,6 @@ const IGNORED: &[(&str, &str)] = &[
     ("BSURFS", "contact: [contact]"),
     ("PARAM", "options of the solver"),
     ("EIGRL", "options of the solver"),
-    ("CORD2R", "a coordinate system"),
-    ("CORD1R", "a coordinate system"),
 ];
 
 /// Bulk data while it is read.
@@ -105,8 +103,10 @@ pub struct BulkReader<'a> {
     used: HashSet<u64>,
     /// Materials by id.
     materials: BTreeMap<u64, properties::BulkMaterial>,
-    /// Coordinates of the nodes [length].
+    /// Coordinates of the nodes in the basic system [length].
     at: HashMap<u64, [f64; 3]>,
+    systems: SystemTable,
+    offsets: BulkOffsets,
 }
 
 /// Reads a file.
@@ -124,19 +124,24 @@ pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
         used: cards.iter().filter(is_element).filter_map(property).collect(),
         materials: BTreeMap::new(),
         at: HashMap::new(),
+        systems: SystemTable::default(),
+        offsets: BulkOffsets::default(),
     };
     // Beams need the coordinates of their nodes, and properties those of their materials.
-    for card in cards.iter().filter(|card| card.name == "GRID") {
-        reader.reported(card, BulkReader::grid);
-    }
+    reader.nodes(&cards);
     reader.materials(&cards);
-    for card in cards.iter().filter(|card| card.name != "GRID") {
+    for card in cards.iter().filter(|card| !nodes::places_nodes(&card.name)) {
         reader.card(card);
     }
     // Sets name nodes and elements of the whole file.
     sets::read(&mut reader, &cards, &control, &sets);
     reader.add_materials();
+    let offsets = reader.offsets;
     boundary::drop_bounding(reading);
+    // A property with an error has no thickness.
+    if !reading.has_errors() {
+        offsets.assign(reading);
+    }
     warn_of_mixed_parts(reading);
 }
 
@@ -202,25 +207,6 @@ impl BulkReader<'_> {
         self.reading.error(kind, card.place, format!("{}: {message}", card.name), help);
     }
 
-    fn grid(&mut self, card: &BulkCard) -> Result<(), FieldFault> {
-        let Some(id) = card.id(0)? else {
-            self.error("id", card, "the node has no id".into(), "write GRID, id, , x, y, z");
-            return Ok(());
-        };
-        if card.id(1)?.unwrap_or(0) != 0 {
-            let message = format!("node {id} is in coordinate system {}", card.text(1));
-            let help = "export the nodes in the basic coordinate system, with field 3 blank";
-            self.error("system", card, message, help);
-        }
-        let mut x = [0.0; 3];
-        for (axis, x) in x.iter_mut().enumerate() {
-            *x = card.real(axis + 2)?.unwrap_or(0.0);
-        }
-        self.at.insert(id, x);
-        self.reading.mesh.nodes.push(FileNode { id, x, place: card.place });
-        Ok(())
-    }
-
     fn card(&mut self, card: &BulkCard) {
         let name = card.name.as_str();
         if let Some((_, cells)) = ELEMENTS.iter().find(|row| row.0 == name) {
@@ -274,6 +260,12 @@ impl BulkReader<'_> {
             return Ok(());
         };
         self.unsupported_fields(card)?;
+        let offset = match card.name.as_str() {
+            "CQUAD4" | "CQUADR" => card.real(7)?,
+            "CTRIA3" | "CTRIAR" => card.real(6)?,
+            _ => None,
+        };
+        self.offsets.of_elements.extend(offset.map(|offset| (id, offset)));
         let part = self.part(part);
         let before = self.reading.mesh.elements.len();
         self.reading.add_element((id, part), cell, &corners, card.place);
@@ -302,8 +294,10 @@ impl BulkReader<'_> {
         Ok(())
     }
 
-    /// Returns the direction of the second axis of a bar: a vector, or towards a node.
-    fn direction(&self, card: &BulkCard, first: u64) -> Result<Option<[f64; 3]>, FieldFault> {
+    /// Returns the direction of the second axis of a bar: a vector, or towards a node. The vector
+    /// has the components of the displacements of the first node, unless the first letter of OFFT
+    /// is `B`, for those in the basic system.
+    fn direction(&mut self, card: &BulkCard, first: u64) -> Result<Option<[f64; 3]>, FieldFault> {
         let is_node =
             !card.text(4).is_empty() && card.text(5).is_empty() && card.text(6).is_empty();
         if is_node && !card.text(4).contains('.') {
@@ -315,7 +309,11 @@ impl BulkReader<'_> {
         for (c, value) in axis.iter_mut().enumerate() {
             *value = card.real(4 + c)?.unwrap_or(0.0);
         }
-        Ok(axis.iter().any(|&c| c != 0.0).then_some(axis))
+        if axis.iter().all(|&c| c == 0.0) {
+            return Ok(None);
+        }
+        let is_basic = card.text(7).to_uppercase().starts_with('B');
+        Ok(Some(if is_basic { axis } else { self.from_displacements(card, first, axis) }))
     }
 
     /// Reads a rod with its own area and material.
@@ -355,7 +353,14 @@ impl BulkReader<'_> {
             }
         }
         let name = format!("spc_{id}");
-        let advice = "the nodes are a node set; write a [[fix]] for it";
+        let mut advice = String::from("the nodes are a node set; write a [[fix]] for it");
+        let displaced = self.systems.count_displaced(&nodes);
+        if displaced > 0 {
+            advice += &format!(
+                ", whose dofs are along the axes of the mesh; {displaced} of the nodes have others \
+                 (CD)"
+            );
+        }
         self.reading.row(Fate::Ignored, format!("{} {id}", card.name), nodes.len(), advice);
         self.reading.mesh.add_set(&name, &name, nodes);
         Ok(())

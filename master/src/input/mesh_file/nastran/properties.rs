@@ -84,6 +84,11 @@ impl BulkReader<'_> {
                     self.error("thickness", card, message, "write it in field 4");
                 }
                 self.reading.mesh.parts[part].thickness = thickness;
+                // OptiStruct has ZOFFS here; a whole number of another program is none.
+                if card.text(12).contains('.') {
+                    let offset = card.real(12)?;
+                    self.offsets.of_properties.extend(offset.map(|offset| (id, offset)));
+                }
             }
             "PCOMP" | "PCOMPG" => {
                 let message = format!("property {id} is a composite");
