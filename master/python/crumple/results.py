@@ -48,8 +48,12 @@ class Results:
 
     @property
     def warnings(self) -> list[str]:
-        """What to look at before the results are used: the lines that the program prints."""
-        return [one["message"] for one in self.summary["warnings"]]
+        """What to look at before the results are used: the lines that the program prints.
+
+        Folders of older versions have no lines: what was found and the setting that cures it.
+        """
+        line = "{what}. {cure}"
+        return [one.get("message") or line.format(**one) for one in self.summary["warnings"]]
 
     @property
     def requirements(self) -> list[dict[str, Any]]:

@@ -354,7 +354,7 @@ fn a_moving_wall_does_not_change_the_limit() {
         limit(""),
         limit(
             "[[wall]]\nname = \"ram\"\npoint = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n\
-             mass = 10.0\nvelocity = [0.01, 0.0, 0.0]\n",
+             mass = 10.0\nspeed = 0.01\n",
         ),
     );
     assert_eq!(free, moving);
