@@ -4,6 +4,7 @@
 use crumple_proto::exit_code::{BAD_INPUT, COMPLETED};
 use std::fmt::Arguments;
 use std::io::Write;
+use std::path::Path;
 
 /// Writes to standard output. Text that cannot be written is dropped, because the reader has
 /// gone.
@@ -34,3 +35,26 @@ macro_rules! say {
     };
 }
 pub(crate) use say;
+
+/// Returns a path as one word of a command line, in quotes if a shell would divide or change it.
+pub fn shell_word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+,:@%=~".contains(c);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => text,
+        false => format!("'{}'", text.replace('\'', "'\\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_one_word_of_a_shell() {
+        let word = |text| shell_word(Path::new(text));
+        assert_eq!(word("out/tube-1.toml"), "out/tube-1.toml");
+        assert_eq!(word("my jobs/tube"), "'my jobs/tube'");
+        assert_eq!(word("it's"), r"'it'\''s'");
+    }
+}

@@ -16,6 +16,7 @@
 use crate::boxes::{Aabb, CutTree};
 use crate::checkpoint::{Captured, FileRecord, Saved};
 use crate::exact_sum::ExactSum;
+use crate::ids::ElemId;
 use crate::partition::{ElementRecord, NodeRecord, Settings};
 use crate::report::{Failure, FinalReport, HistoryPart, StepReport};
 use crate::steering::{Steer, Steered};
@@ -156,6 +157,21 @@ pub struct Viewed {
     pub error: Option<String>,
 }
 
+/// Edges of elements that have passed through segments where contact cannot detect it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EdgeCrossings {
+    /// Cycle in which the worker has found them.
+    pub cycle: u64,
+    /// Simulated time of this cycle [time].
+    pub time: f64,
+    /// Number of crossings that the worker has found.
+    pub count: u64,
+    /// Element of the first edge.
+    pub edge: ElemId,
+    /// Element through which it has passed.
+    pub surface: ElemId,
+}
+
 /// Message from a worker to the master.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum ToMaster {
@@ -182,6 +198,8 @@ pub enum ToMaster {
     Saved(Saved),
     /// Warning that does not end the run.
     Warning(String),
+    /// Edges have passed through segments; sent once.
+    Crossed(EdgeCrossings),
     /// The worker has stopped for a `Recut` order and waits for requests.
     Ready,
     /// Answer to `Extents`: box around the element centres, per entry.

@@ -56,7 +56,7 @@ fn write(name: &str, out: Option<PathBuf>) -> Result<String, String> {
         "{} {}; check it with `crumple check {2}`, run it with `crumple run {2}`",
         names.join(" and "),
         if names.len() == 1 { "is written" } else { "are written" },
-        folder.display()
+        stdout::shell_word(&folder)
     ))
 }
 

@@ -6,6 +6,7 @@ use crate::results::history::{Course, HistoryRow};
 use crumple_proto::histories::PartShare;
 use crumple_proto::job::{Part, Setting};
 use crumple_proto::mesh::{Mesh, MeshElement};
+use crumple_proto::message::EdgeCrossings;
 use crumple_proto::place::{ModelPlace, Peak};
 use serde::{Deserialize, Serialize};
 
@@ -56,6 +57,8 @@ pub enum WarningKind {
     Penetration,
     /// Elements that are about to invert, or have inverted at a corner.
     Inversion,
+    /// Edges that have passed through segments.
+    Crossing,
     /// Contact that had nothing to do in the whole run.
     UnusedContact,
     /// Walls that nothing has touched in the whole run.
@@ -81,7 +84,8 @@ pub struct EngineeringWarning {
     pub cycle: u64,
     /// Simulated time at which it was found [time].
     pub time: f64,
-    /// The quantity that is compared with its limit, at its worst so far. All are ratios.
+    /// The quantity that is compared with its limit, at its worst so far. All are ratios, but the
+    /// number of crossings of edges is a count.
     pub value: f64,
     /// Simulated time of this value [time].
     pub worst_time: f64,
@@ -419,6 +423,28 @@ pub fn of_added_mass(model: &Model) -> Vec<EngineeringWarning> {
     judged_mass(&model.settings.parts, &of_parts)
 }
 
+/// Returns the warning of edges that have passed through segments.
+pub fn of_crossings(found: &EdgeCrossings) -> EngineeringWarning {
+    let EdgeCrossings { cycle, time, count, edge, surface } = *found;
+    EngineeringWarning {
+        kind: WarningKind::Crossing,
+        part: String::new(),
+        cycle,
+        time,
+        value: count as f64,
+        worst_time: time,
+        what: format!(
+            "an edge of element {edge} has passed through element {surface} between their nodes \
+             ({count} such crossings on one worker); contact detects nodes against surfaces, and \
+             free edges, folds and sharp edges against each other"
+        ),
+        place: format!("element {edge}"),
+        cure: "Refine the mesh where an edge cuts into a face, and set contact.edges = true if it \
+               is off"
+            .into(),
+    }
+}
+
 /// Returns the place of an element of a mesh.
 fn centre(mesh: &Mesh, element: &MeshElement, part: u32) -> ModelPlace {
     let corners = element.corners();
@@ -656,6 +682,24 @@ mod tests {
         let beyond = line(-0.15);
         assert!(beyond.contains("has inverted: a corner has -15 %"), "{beyond}");
         assert_eq!(WarningKind::ContactEnergy.name(), "contact_energy");
+    }
+
+    #[test]
+    fn crossings_name_both_elements_and_keep_the_largest_count() {
+        let of = |count| EdgeCrossings {
+            cycle: 8,
+            time: 0.5,
+            count,
+            edge: ElemId(3),
+            surface: ElemId(7),
+        };
+        let mut all = Vec::new();
+        assert_eq!(merge(&mut all, vec![of_crossings(&of(2))]), 0);
+        assert_eq!(merge(&mut all, vec![of_crossings(&of(5))]), 1, "of another worker");
+        let line = all[0].line();
+        let words = "an edge of element 3 has passed through element 7";
+        assert!(all.len() == 1 && line.contains(words) && line.contains("(5 such"), "{line}");
+        assert_eq!(all[0].kind.name(), "crossing");
     }
 
     #[test]

@@ -31,6 +31,9 @@ impl Lock {
         let named = |error: std::io::Error| {
             format!("{}: {error}; choose another folder with --out", path.display())
         };
+        if let Some(file) = folder.ancestors().find(|path| path.is_file()) {
+            return Err(format!("{} is a file; name a folder with --out", file.display()));
+        }
         std::fs::create_dir_all(folder).map_err(named)?;
         let mut tries = 0;
         loop {
@@ -104,6 +107,20 @@ mod tests {
             });
             Lock::acquire(dir.path()).unwrap();
         });
+    }
+
+    #[test]
+    fn a_file_is_no_folder() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("base.toml");
+        std::fs::write(&file, "").unwrap();
+        for folder in [file.clone(), file.join("below")] {
+            let refused = Lock::acquire(&folder).err().unwrap();
+            assert!(
+                refused.ends_with("base.toml is a file; name a folder with --out"),
+                "{refused}"
+            );
+        }
     }
 
     #[test]

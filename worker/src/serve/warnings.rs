@@ -1,7 +1,7 @@
 //! Warnings of a worker: deleted shells, reduced penalties, edges that cross surfaces.
 
 use super::RunningWorker;
-use crumple_proto::message::ToMaster;
+use crumple_proto::message::{EdgeCrossings, ToMaster};
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
 
@@ -60,17 +60,13 @@ impl RunningWorker {
             .map_or(Vec::new(), |c| c.crossings(&e.nodes, e.clock.time));
         let Some(first) = found.first() else { return Ok(()) };
         self.crossed = true;
-        let warning = format!(
-            "contact: by cycle {}, time {:.6e}, an edge of element {} has passed through element \
-             {} between their nodes ({} such crossings on this worker); contact detects nodes \
-             against surfaces, and free edges, folds and sharp edges against each other: refine \
-             the mesh where an edge cuts into a face, and set contact.edges = true if it is off",
-            e.clock.cycle,
-            e.clock.time,
-            first.edge,
-            first.surface,
-            found.len()
-        );
-        post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
+        let crossings = EdgeCrossings {
+            cycle: e.clock.cycle,
+            time: e.clock.time,
+            count: found.len() as u64,
+            edge: first.edge,
+            surface: first.surface,
+        };
+        post(comm, 0, Tag::Report, &ToMaster::Crossed(crossings))
     }
 }

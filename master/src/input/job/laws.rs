@@ -188,20 +188,65 @@ pub fn thinned(settings: &Settings, initial: &InitialPenetrations) -> Option<Pro
 pub fn penetrations(initial: &InitialPenetrations) -> Vec<Problem> {
     let (unseen, seen): (Vec<_>, Vec<_>) =
         initial.penetrations.iter().copied().partition(|p| p.unseen);
-    let warn = |found: &[Penetration], what: &str, help: &str| {
+    let warn = |found: &[Penetration], what: &str, otherwise: &str| {
         let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth))?;
-        let Penetration { node, depth, elem, .. } = deepest;
+        let Penetration { node, depth, elem, normal: [x, y, z], at_least, .. } = deepest;
         let count = found.len();
+        let (least, side) = if *at_least {
+            (
+                "at least ",
+                "; it is near the middle of this element: if its part belongs on the other side, \
+                 move it the other way, and farther",
+            )
+        } else {
+            ("", "")
+        };
         let message = format!(
-            "{count} nodes start inside {what}; the deepest is node {node}, {depth:.3e} into \
-             element {elem}"
+            "{count} nodes start inside {what}; the deepest is node {node}, {least}{depth:.3e} \
+             into element {elem}, along the normal ({x:.3}, {y:.3}, {z:.3})"
+        );
+        let help = format!(
+            "move the part of this node by {least}{depth:.3e} along this normal{side}; {otherwise}"
         );
         Some(Problem::warning("contact", message, help))
     };
-    let kept = "move the parts apart; otherwise these penetrations are tolerated without force, \
-                and contact acts from that depth on";
-    let never = "move the parts apart; otherwise they pass through each other there";
+    let kept = "otherwise these penetrations are tolerated without force, and contact acts from \
+                that depth on";
+    let never = "otherwise the parts pass through each other there";
     let seen = warn(&seen, "the thickness of shells, beams, or other solids", kept);
     let unseen = warn(&unseen, "other solids, too deep for contact to detect", never);
     seen.into_iter().chain(unseen).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::ids::{ElemId, NodeId};
+
+    /// The message says where the deepest node is, how deep at least, and how to move it out.
+    #[test]
+    fn initial_penetrations_have_a_direction_and_a_distance() {
+        let at = |node, depth, at_least| Penetration {
+            node: NodeId(node),
+            elem: ElemId(7),
+            depth,
+            normal: [0.0, 0.0, -1.0],
+            at_least,
+            unseen: false,
+        };
+        let text = |penetrations: Vec<Penetration>| {
+            let found = InitialPenetrations { penetrations, thinned: None };
+            penetrations_text(&found)
+        };
+        let plain = text(vec![at(3, 0.25, false), at(4, 0.125, false)]);
+        assert!(plain.contains("node 3, 2.500e-1 into element 7, along the normal"), "{plain}");
+        assert!(plain.contains("by 2.500e-1 along this normal; otherwise"), "{plain}");
+        let middle = text(vec![at(3, 0.75, true), at(4, 0.125, false)]);
+        assert!(middle.contains("node 3, at least 7.500e-1 into"), "{middle}");
+        assert!(middle.contains("move it the other way"), "{middle}");
+    }
+
+    fn penetrations_text(found: &InitialPenetrations) -> String {
+        penetrations(found).iter().map(ToString::to_string).collect()
+    }
 }

@@ -44,6 +44,7 @@ mod requirements;
 mod resolve;
 mod restart;
 mod rigid;
+mod separate_bodies;
 mod sets;
 mod springs;
 pub mod state;

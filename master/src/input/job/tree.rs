@@ -110,7 +110,9 @@ impl Node {
             .map(|e| {
                 (
                     e.message().to_string(),
-                    syntax_help(e.message()),
+                    e.span()
+                        .and_then(|span| decimal_comma(text, span.start))
+                        .unwrap_or_else(|| syntax_help(e.message())),
                     e.span().map_or(Place::Whole, Place::from_span),
                 )
             })
@@ -258,6 +260,18 @@ pub fn split_first<'p, 'k>(
     Some((key, path[key.len()..].strip_prefix('.').unwrap_or("")))
 }
 
+/// Returns the help for a number with a decimal comma in the line at this offset.
+fn decimal_comma(text: &str, at: usize) -> Option<&'static str> {
+    let before = text.get(..at)?;
+    let line = text[before.rfind('\n').map_or(0, |end| end + 1)..].lines().next()?;
+    let value = line.split_once('=')?.1.split('#').next()?.trim();
+    let (whole, rest) = value.split_once(',')?;
+    whole.parse::<i64>().ok()?;
+    let number = format!("{whole}.{rest}");
+    let is_number = rest.starts_with(|c: char| c.is_ascii_digit()) && number.parse::<f64>().is_ok();
+    is_number.then_some("numbers have a decimal point, as in 1.5")
+}
+
 fn syntax_help(message: &str) -> &'static str {
     if message.contains("duplicate") {
         "write each key and each [section] once; [[section]] adds an entry to a list"
@@ -340,6 +354,13 @@ mod tests {
         assert_eq!(cut(text, &tree, "part.1.thickness"), "[[part]]");
         assert_eq!(cut(text, &tree, "sets.a.b.1"), "22");
         assert_eq!(tree.locate("nothing"), Place::Whole);
+    }
+
+    #[test]
+    fn a_decimal_comma_is_named() {
+        let help = |text| Node::parse(text).unwrap_err()[0].1;
+        assert!(help("a = 2\nthickness = 1,5 # mm\n").contains("a decimal point, as in 1.5"));
+        assert!(!help("a = 2\nthickness = 1 5\n").contains("decimal point"));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Warnings about the numbers of a valid model.
 
+use super::separate_bodies;
 use super::state::{ElementStart, NodeStart, deformable_mass, fastest_wave, scaled_mass, smallest};
 use super::units;
 use crumple_proto::job::{ContactInput, Job, Part, Setting};
@@ -29,6 +30,7 @@ pub fn of_model(
     let mut warnings = Vec::new();
     warnings.extend(no_motion(settings, nodes));
     warnings.extend(speed_above_waves(job, nodes));
+    warnings.extend(separate_bodies::without_contact(job, mesh, settings, elements, nodes));
     warnings.extend(parts_without_elements(job, settings, elements));
     let contact = settings.contact.as_ref();
     warnings.extend(contact.and_then(|c| beams_without_contact(c, settings, mesh)));

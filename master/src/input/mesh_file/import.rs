@@ -81,7 +81,7 @@ fn import(args: &ImportArgs) -> Result<String, Vec<Problem>> {
     if !text.placeholders.is_empty() {
         let _ = writeln!(said, "placeholders {}", text.placeholders.join(", "));
     }
-    let _ = writeln!(said, "next         {first}crumple check {}", folder.display());
+    let _ = writeln!(said, "next         {first}crumple check {}", stdout::shell_word(&folder));
     said += &text.to_add;
     Ok(said)
 }

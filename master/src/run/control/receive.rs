@@ -44,6 +44,7 @@ impl Control<'_> {
                 tracing::warn!(worker, warning);
                 self.announce(&format!("warning: worker {worker}: {warning}"));
             }
+            ToMaster::Crossed(crossings) => self.watch_crossings(&crossings),
             ToMaster::Captured(captured, repeat) => {
                 if self.checkpoints.add_captured(captured, repeat) {
                     let cycle = captured.cycle;

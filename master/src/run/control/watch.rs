@@ -3,7 +3,7 @@
 use super::Control;
 use crate::results::history::wall_names;
 use crate::results::warnings::{self, CREATED_CURE, EngineeringWarning, WatchedRow};
-use crumple_proto::message::Action;
+use crumple_proto::message::{Action, EdgeCrossings};
 use crumple_proto::report::Failure;
 
 /// Relative energy error above which the run has failed. Crash codes are accepted with 0.01.
@@ -39,6 +39,11 @@ impl Control<'_> {
         let row = WatchedRow { parts: &settings.parts, course: &self.history.course };
         let found = row.unused(settings.contact.is_some(), &wall_names(&settings.walls));
         self.add_warnings(found);
+    }
+
+    /// Gives the warning of edges that have passed through segments.
+    pub(super) fn watch_crossings(&mut self, crossings: &EdgeCrossings) {
+        self.add_warnings(vec![warnings::of_crossings(crossings)]);
     }
 
     fn add_warnings(&mut self, found: Vec<EngineeringWarning>) {

@@ -22,14 +22,24 @@ pub struct Penetration {
     pub node: NodeId,
     /// The shell, beam or solid.
     pub elem: ElemId,
-    /// Depth by which their surfaces overlap [length].
+    /// Depth by which their surfaces overlap [length]. A node is seen from the side of a shell on
+    /// which it is, so that no depth exceeds the contact thickness.
     pub depth: f64,
+    /// Unit vector along which the node leaves the element.
+    pub normal: [f64; 3],
+    /// True if the node is so near the middle of a shell or beam that its part may come from the
+    /// other side: the true depth is `depth` or more.
+    pub at_least: bool,
     /// True if it is so deep in a solid that contact does not see it.
     pub unseen: bool,
 }
 
 /// Fraction of the contact thickness below which a penetration is round-off of the mesh.
 const ROUND_OFF: f64 = 1e-6;
+
+/// Fraction of the contact thickness above which the side from which a node has entered a shell is
+/// not known.
+const MIDDLE: f64 = 0.75;
 
 /// Result of the checks of the contact surface before the start.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,10 +115,13 @@ fn in_shells(
         let pair = (interface, p as usize);
         let depth = thickness - surface.distance(pair, s, (&at, &near), &nodes.x);
         if depth > ROUND_OFF * scale {
+            let away = (at - near.point).try_normalize(ROUND_OFF * scale);
             found.push(Penetration {
                 node: nodes.id[slave as usize],
                 elem: s.id.elem(),
                 depth,
+                normal: away.unwrap_or(near.normal).into(),
+                at_least: depth > MIDDLE * thickness,
                 unseen: false,
             });
         }
@@ -168,29 +181,40 @@ fn in_solids(
         let behind =
             depth > -ROUND_OFF * scale && (offset + near.normal * depth).norm() <= OUTSIDE * scale;
         let other = !s.nodes.contains(&slave) && !s.behind.contains(&slave);
-        (behind && other && is_opposed(nodes, surface, p as usize, &near.normal))
-            .then_some((depth, scale))
+        (behind && other && is_opposed(nodes, surface, p as usize, &near.normal)).then_some((
+            depth,
+            scale,
+            near.normal,
+        ))
     };
     let mut found: Vec<Penetration> = Vec::new();
-    for (p, (face, depth, scale)) in nearest_faces(&faces, slaves, nodes, surface, depth_in) {
+    for (p, (face, depth, scale, normal)) in nearest_faces(&faces, slaves, nodes, surface, depth_in)
+    {
         if depth > ROUND_OFF * scale {
             let (node, elem) =
                 (nodes.id[surface.slaves[p as usize] as usize], faces[face as usize].id.elem());
-            found.push(Penetration { node, elem, depth, unseen: depth > BEHIND * scale });
+            found.push(Penetration {
+                node,
+                elem,
+                depth,
+                normal: normal.into(),
+                at_least: false,
+                unseen: depth > BEHIND * scale,
+            });
         }
     }
     found
 }
 
-/// Returns for each slave the face with its smallest depth, this depth and the scale. The search
-/// reach grows until no face outside it can be nearer.
+/// Returns for each slave the face with its smallest depth, this depth, the scale and the normal of
+/// the face. The search reach grows until no face outside it can be nearer.
 fn nearest_faces(
     faces: &[&Segment],
     mut slaves: Vec<u32>,
     nodes: &Nodes,
     surface: &Surface,
-    depth_in: impl Fn(&Segment, u32) -> Option<(f64, f64)>,
-) -> Vec<(u32, (u32, f64, f64))> {
+    depth_in: impl Fn(&Segment, u32) -> Option<(f64, f64, V3)>,
+) -> Vec<(u32, (u32, f64, f64, V3))> {
     let all: Vec<Aabb> = faces.iter().map(|s| s.bounds(&nodes.x, 0.0)).collect();
     let place = |p: u32| xyz(&nodes.x[surface.slaves[p as usize] as usize]);
     let whole = Aabb::around(
@@ -203,16 +227,18 @@ fn nearest_faces(
     while !slaves.is_empty() {
         let boxes: Vec<Aabb> = all.iter().map(|b| b.grown(reach)).collect();
         let points: Vec<[f64; 3]> = slaves.iter().map(|&p| place(p)).collect();
-        let mut least: Vec<Option<(u32, f64, f64)>> = vec![None; slaves.len()];
+        let mut least: Vec<Option<(u32, f64, f64, V3)>> = vec![None; slaves.len()];
         linked_cells(&boxes, &points, &mut |f, i| {
-            let Some((depth, scale)) = depth_in(faces[f as usize], slaves[i as usize]) else {
+            let Some((depth, scale, normal)) = depth_in(faces[f as usize], slaves[i as usize])
+            else {
                 return;
             };
             let best = &mut least[i as usize];
-            let nearer =
-                |&(g, least, _): &(u32, f64, f64)| depth.total_cmp(&least).then(f.cmp(&g)).is_lt();
+            let nearer = |&(g, least, ..): &(u32, f64, f64, V3)| {
+                depth.total_cmp(&least).then(f.cmp(&g)).is_lt()
+            };
             if best.as_ref().is_none_or(nearer) {
-                *best = Some((f, depth, scale));
+                *best = Some((f, depth, scale, normal));
             }
         });
         // A slave that is deeper than the reach may be less deep in a face outside the reach.

@@ -3,7 +3,7 @@
 //! The rate of Abaqus is that of the plastic strain. `POWER LAW` with D and n is the law of Cowper
 //! and Symonds with C = D and p = n (Abaqus Analysis User's Guide, "Rate-dependent yield").
 
-use super::blocks::AbaqusBlock;
+use super::blocks::{AbaqusBlock, DataLine};
 use super::scope::{number_of, set_name};
 use crate::input::mesh_file::content::{FileMaterial, FilePlace, FileRate};
 use crate::input::mesh_file::reading::{Fate, MeshReading};
@@ -76,6 +76,7 @@ pub fn read(block: &AbaqusBlock, following: &[AbaqusBlock], reading: &mut MeshRe
     }
     let mut count = 0;
     for next in following.iter().take_while(|next| !ends_material(&next.keyword)) {
+        further_columns(next, &material.name, reading);
         match next.keyword.as_str() {
             "DENSITY" => material.density = first(next, 0, reading),
             "ELASTIC" => elastic(next, &mut material, reading),
@@ -105,6 +106,26 @@ pub fn read(block: &AbaqusBlock, following: &[AbaqusBlock], reading: &mut MeshRe
     }
     reading.mesh.materials.push(material);
     count
+}
+
+/// Says that a keyword has columns that are not used, so that a decimal comma is seen.
+fn further_columns(block: &AbaqusBlock, material: &str, reading: &mut MeshReading) {
+    let is_word =
+        |key, word: &str| block.value(key).is_none_or(|v| v.to_uppercase().starts_with(word));
+    let used = match block.keyword.as_str() {
+        "DENSITY" => 1,
+        "ELASTIC" if is_word("TYPE", "ISO") => 2,
+        "PLASTIC" if is_word("HARDENING", "ISO") => 2,
+        _ => return,
+    };
+    let has_more = |line: &&DataLine| line.fields.iter().skip(used).any(|f| !f.trim().is_empty());
+    let lines = block.data.iter().filter(has_more).count();
+    if lines > 0 {
+        let what = format!("further columns of *{} of material {material}", block.keyword);
+        let became = "they are temperatures, which are not used; numbers with a decimal comma \
+                      would look like this, too";
+        reading.row(Fate::Ignored, what, lines, became);
+    }
 }
 
 /// Returns a number of the first line. Reports an error if it is missing or no positive number.
@@ -378,4 +399,30 @@ fn settle_rate(material: &mut FileMaterial, rate: FileRate, reading: &mut MeshRe
     };
     reading.row(Fate::Read, what, 1, became);
     material.rate = Some(rate);
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::input::mesh_file::{ImportRow, read};
+
+    /// A density with a decimal comma has two columns.
+    #[test]
+    fn columns_that_are_not_used_are_in_the_table() {
+        let dir = tempfile::tempdir().unwrap();
+        let rows = |density: &str| -> Vec<ImportRow> {
+            let file = dir.path().join("sheet.inp");
+            let text = format!(
+                "*NODE\n1,0.,0.,0.\n2,1.,0.,0.\n3,0.,1.,0.\n*ELEMENT,TYPE=S3,ELSET=E\n1,1,2,3\n\
+                 *SHELL SECTION,ELSET=E,MATERIAL=M\n1.\n*MATERIAL,NAME=M\n*DENSITY\n{density}\n\
+                 *ELASTIC\n210000.,0.3\n"
+            );
+            std::fs::write(&file, text).unwrap();
+            let read = read(&file, false, None).expect("a mesh file");
+            read.rows.into_iter().filter(|row| row.what.contains("further columns")).collect()
+        };
+        assert_eq!(rows("7.85e-09,").len(), 0, "a comma at the end is no column");
+        let found = rows("7,85e-09,");
+        assert!(found[0].what.contains("*DENSITY of material M"), "{}", found[0].what);
+        assert!(found[0].became.contains("decimal comma"), "{}", found[0].became);
+    }
 }

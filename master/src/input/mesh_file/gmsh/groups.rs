@@ -67,11 +67,54 @@ pub fn add(content: MshContent, reading: &mut MeshReading) {
     if lost > 0 {
         let advice = "in no physical group: define one in Gmsh to use them";
         reading.row(Fate::Ignored, "elements", lost, advice);
+        warn_of_lost(&groups, elements, &in_groups, reading);
     }
     if !named && reading.mesh.parts.len() > 1 {
         let advice = "parts and sets have no names: name them by Physical Surface(\"plate\") = ...";
         reading.row(Fate::Read, "groups without name", groups.len(), advice);
     }
+}
+
+/// Warns of elements in no physical group that do not only bound others, such as a part that was
+/// forgotten.
+fn warn_of_lost(
+    groups: &[Group],
+    elements: &[MshElement],
+    in_groups: &BTreeSet<usize>,
+    reading: &mut MeshReading,
+) {
+    let mut lost: BTreeMap<DimensionTag, Vec<usize>> = BTreeMap::new();
+    for (i, e) in elements.iter().enumerate().filter(|(i, _)| !in_groups.contains(i)) {
+        lost.entry((e.cell.dimension(), e.entity)).or_default().push(i);
+    }
+    let known = groups.iter().map(|group| (group.key.0, &group.elements));
+    let cells: Vec<CellGroup> = known
+        .chain(lost.iter().map(|(key, list)| (key.0, list)))
+        .map(|(dimension, list)| CellGroup {
+            dimension,
+            cells: list.iter().map(|&i| &elements[i].corners[..]).collect(),
+        })
+        .collect();
+    let bounds = bounding(&cells);
+    let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut first = None;
+    for ((key, list), bounds) in lost.iter().zip(&bounds[groups.len()..]) {
+        if *bounds || key.0 == 0 {
+            continue;
+        }
+        for &i in list {
+            *kinds.entry(elements[i].cell.name()).or_default() += 1;
+            first.get_or_insert(elements[i].place);
+        }
+    }
+    let Some(place) = first else { return };
+    let count: usize = kinds.values().sum();
+    let kinds: Vec<String> = kinds.iter().map(|(name, n)| format!("{n} of type {name}")).collect();
+    let message =
+        format!("{count} elements are in no physical group and are not read: {}", kinds.join(", "));
+    let help = "add them to a physical group in Gmsh, or save the mesh without any group: then \
+                each surface or volume is a part";
+    reading.warning(place, message, help);
 }
 
 /// Returns the physical groups with elements. Without groups of the highest dimension, the entities
@@ -132,5 +175,33 @@ fn add_group(
     if others > 0 {
         let what = format!("elements of {} group {tag} ({name})", DIMENSIONS[dimension]);
         reading.row(Fate::Ignored, what, others, "they are in the part of another group");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::input::mesh_file::read;
+
+    /// Returns the warnings of a mesh of a triangle in a group, a line at its side and, next to
+    /// it, a triangle of this group.
+    fn warnings(group: u32) -> String {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("plates.msh");
+        let text = format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n\
+             4 5 0 0\n5 5 1 0\n$EndNodes\n$Elements\n3\n1 2 2 7 1 1 2 3\n2 1 2 0 2 1 2\n\
+             3 2 2 {group} 3 3 4 5\n$EndElements\n"
+        );
+        std::fs::write(&file, text).unwrap();
+        let read = read(&file, false, None).expect("a mesh file");
+        read.warnings.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn elements_in_no_group_get_a_warning_unless_they_bound_others() {
+        let said = warnings(0);
+        assert!(said.contains("1 elements are in no physical group"), "{said}");
+        assert!(said.contains("1 of type triangle (add them"), "{said}");
+        assert_eq!(warnings(7), "");
     }
 }
