@@ -113,6 +113,7 @@ impl<const M: usize> Bounds<M> {
     /// Limits the forces of the lanes `beyond` and returns by how much that changes their work on
     /// the increments [energy]. The other lanes keep their bits, so that an element does not depend
     /// on its neighbours in a group.
+    #[expect(clippy::needless_range_loop, reason = "in a cold function zip is not inlined")]
     #[cfg_attr(target_arch = "nvptx64", inline(always))]
     #[cfg_attr(not(target_arch = "nvptx64"), cold, inline(never))]
     fn limit<R: Real>(

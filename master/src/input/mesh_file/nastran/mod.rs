@@ -313,7 +313,7 @@ impl BulkReader<'_> {
             return Ok(None);
         }
         let is_basic = card.text(7).to_uppercase().starts_with('B');
-        Ok(Some(if is_basic { axis } else { self.from_displacements(card, first, axis) }))
+        Ok(Some(if is_basic { axis } else { self.in_basic_system(card, first, axis) }))
     }
 
     /// Reads a rod with its own area and material.

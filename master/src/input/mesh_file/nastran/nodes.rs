@@ -333,7 +333,7 @@ impl BulkReader<'_> {
 
     /// Returns a vector at a node, whose components are those of its displacements, in the basic
     /// system. Reports that the system is missing.
-    pub fn from_displacements(
+    pub fn in_basic_system(
         &mut self,
         card: &BulkCard,
         node: u64,
