@@ -51,6 +51,8 @@ pub struct RunningWorker {
     /// Messages and bytes sent until the last report.
     sent: Traffic,
     stopped: bool,
+    /// True after the row of the end of the run.
+    last_row_sent: bool,
     /// True after a warning that an edge crosses a surface.
     crossed: bool,
     /// Number of deleted elements named in warnings.
@@ -212,6 +214,7 @@ impl RunningWorker {
             samples: 0,
             sent: Traffic::default(),
             stopped: false,
+            last_row_sent: false,
             crossed: false,
             named: 0,
             checkpoint_due: false,
@@ -261,8 +264,12 @@ impl RunningWorker {
             }
             let cpu = self.cycle_cpu(comm);
             self.report.cpu.push(cpu.as_secs_f32());
-            // Before a renewal, which forgets the contact forces of the step.
+            // Before a renewal, which forgets the contact forces of the step and the velocities
+            // before it.
             self.write_fields_if_due(comm, false)?;
+            if self.engine.clock.is_over(&self.engine.settings) {
+                self.send_last_row(comm)?;
+            }
             // The workers agreed on the displacement before this cycle.
             let displaced = before.or_larger(self.engine.agreement.displacement);
             self.report.displacement = self.report.displacement.or_larger(displaced);
@@ -287,6 +294,18 @@ impl RunningWorker {
         if !self.report.cpu.is_empty() {
             self.send_report(comm)?;
         }
+        Ok(())
+    }
+
+    /// Sends the row of the end of the run, once.
+    fn send_last_row(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        if std::mem::replace(&mut self.last_row_sent, true) {
+            return Ok(());
+        }
+        // A run that continues from here goes on with the number of this row.
+        let rows = self.engine.clock.rows;
+        self.engine.send_row(comm, true)?;
+        self.engine.clock.rows = rows;
         Ok(())
     }
 
@@ -516,7 +535,7 @@ impl RunningWorker {
     pub fn finalize(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let Clock { cycle, time, .. } = self.engine.clock;
         tracing::info!(cycle, time, stopped = self.stopped, failed = self.failed, "worker ends");
-        self.engine.send_row(comm, true)?;
+        self.send_last_row(comm)?;
         self.warn_of_crossings(comm)?;
         self.write_fields_if_due(comm, true)?;
         self.send_recording(comm)?;

@@ -199,19 +199,20 @@ fn an_output_folder_that_cannot_be_written_is_named() {
     let there = tempfile::tempdir().unwrap();
     let file = there.path().join("file");
     fs::write(&file, "").unwrap();
-    let with = |in_the_way: &str| {
+    let with = |in_the_way: &'static str| {
         let out = there.path().join("with").join(in_the_way);
         fs::create_dir_all(out.join(in_the_way)).unwrap();
-        (out, in_the_way.to_string())
+        (out, [in_the_way, "choose another folder with --out"])
     };
-    let files = [(file.join("below"), "below".into()), (file, "file".into())];
+    let is_file = ["file is a file", "name a folder with --out"];
+    let files = [(file.join("below"), is_file), (file, is_file)];
     for (out, named) in files.into_iter().chain(["history.csv", "summary.json"].map(with)) {
         let out = out.to_str().unwrap();
         let refused =
             run(crumple_with(&["run", "cases/tumble", "--end-time", "0.1", "--out", out]))
                 .with_code(2)
                 .said();
-        for text in [&named, "choose another folder with --out"] {
+        for text in named {
             assert!(
                 refused.contains(text) && !refused.contains("panicked"),
                 "missing text: {text}: {refused}"

@@ -272,6 +272,26 @@ fn strained_elements_that_stand_still_keep_their_forces() {
     assert_eq!(forces(&mut e), before);
 }
 
+/// The last row has velocities and contact forces of the last step, which a redecomposition after
+/// this step forgets.
+#[test]
+fn a_redecomposition_after_the_last_step_does_not_change_the_last_row() {
+    let on = |workers: &str, force_every: &str| {
+        let set = format!("parallel.force_every={force_every}");
+        let transducer = "output.transducer=[{name=\"all\", parts=[1]}]";
+        let words = ["run", "cases/tumble", "--no-report", "--workers", workers, "--set", &set];
+        let more = ["--set=time.max_cycles=400", "--set=checkpoint.every=off", "--set", transducer];
+        run(crumple_with(&[&words[..], &more].concat())).with_code(0)
+    };
+    let undisturbed = on("1", "0");
+    for workers in ["1", "2"] {
+        let redecomposed = on(workers, "1");
+        let count = &redecomposed.summary()["redecompositions"];
+        assert!(count["high"].as_u64() > Some(300), "{count}");
+        assert_same_histories(&undisturbed.out(), &redecomposed.out());
+    }
+}
+
 /// Histories of all kinds, of walls with and without a mass, with subcycles, friction, erosion,
 /// loads and damping: the same bytes on any number of workers.
 #[test]

@@ -49,6 +49,7 @@ impl RunningWorker {
             samples: _,
             sent: _,
             stopped: _,
+            last_row_sent: _,
             checkpoint_due: _,
             copy_due: _,
             fields_cycle: _,

@@ -115,28 +115,28 @@ fn cut(model: &Model, workers: usize) -> Result<CutTree, String> {
 }
 
 /// Cycles done, and time [time].
-type Moment = (u64, f64);
+type CycleAndTime = (u64, f64);
 
 /// Observations of one run.
 #[derive(Default)]
 struct RunSeen {
     /// The last state that was compared.
-    last: Moment,
+    last: CycleAndTime,
     /// Nodes after the first cycle in which they differ, then elements.
-    copies: [Option<(Moment, SavedState)>; 2],
+    copies: [Option<(CycleAndTime, SavedState)>; 2],
 }
 
 /// Runs both jobs until nodes and elements have parted, but at most `until` cycles.
 fn side_by_side(runs: &[Repeated; 2], until: u64) -> [RunSeen; 2] {
     let meeting = Meeting::new(runs.iter().map(|run| run.workers).sum());
-    let progress = Progress { until, meeting: &meeting };
+    let limits = SideBySide { until, meeting: &meeting };
     std::thread::scope(|scope| {
         let watch = |which: usize| {
-            let (run, progress) = (&runs[which], &progress);
+            let (run, limits) = (&runs[which], &limits);
             move || {
                 let shares = deal(&run.model, &centres(&run.model), &run.tree, run.workers);
                 let seen =
-                    on_threads(shares, |comm, share| advance(which, run, (comm, share), progress));
+                    on_threads(shares, |comm, share| advance(which, run, (comm, share), limits));
                 merged(seen)
             }
         };
@@ -161,7 +161,7 @@ fn merged(shares: Vec<RunSeen>) -> RunSeen {
 }
 
 /// Limit of the runs, and the place where they meet.
-struct Progress<'a> {
+struct SideBySide<'a> {
     until: u64,
     meeting: &'a Meeting,
 }
@@ -171,29 +171,29 @@ fn advance(
     which: usize,
     run: &Repeated,
     (comm, share): (&mut dyn Transport, PartitionData),
-    progress: &Progress<'_>,
+    limits: &SideBySide<'_>,
 ) -> RunSeen {
-    let _seat = Seat(progress.meeting);
+    let _seat = Seat(limits.meeting);
     let settings = run.model.settings.clone();
     let mut engine =
         Engine::new(comm, settings, run.tree.clone(), share).expect("all workers live");
     let mut seen = RunSeen::default();
     let mut said = Instant::now();
     let is_speaker = which == 0 && comm.rank() == 1;
-    while let Some(equal) = progress.meeting.compare(which, digests(&engine)) {
+    while let Some(equal) = limits.meeting.compare(which, digests(&engine)) {
         let moment = (engine.clock.cycle, engine.clock.time);
         seen.last = moment;
         let copies: [fn(&Engine) -> SavedState; 2] = [copy_of_nodes, copy_of_elements];
         for (kind, copy) in copies.iter().enumerate().filter(|(kind, _)| !equal[*kind]) {
             seen.copies[kind].get_or_insert_with(|| (moment, copy(&engine)));
         }
-        let is_over = moment.0 >= progress.until || engine.clock.is_over(&engine.settings);
+        let is_over = moment.0 >= limits.until || engine.clock.is_over(&engine.settings);
         if is_over || seen.copies.iter().all(Option::is_some) {
             break;
         }
         if is_speaker && said.elapsed() > LINE_EVERY {
             said = Instant::now();
-            eprintln!("cycle {} of at most {}, time {:.4e}", moment.0, progress.until, moment.1);
+            eprintln!("cycle {} of at most {}, time {:.4e}", moment.0, limits.until, moment.1);
         }
         obey(&mut engine);
         let agreed = step(&mut engine, comm).expect("all workers live");

@@ -20,22 +20,22 @@ const COMPARED: usize = 1000;
 const AT_REST: f64 = 1e-6;
 
 /// Smallest and largest value of each component.
-type Range = [[f64; 2]; 3];
+type ComponentBounds = [[f64; 2]; 3];
 
 /// A body that can touch others.
 struct SeparateBody {
     /// Box around its nodes [length].
     bounds: Aabb,
     /// Displacement of its nodes up to the end time [length].
-    way: Range,
+    way: ComponentBounds,
     /// Number of its elements by part id.
     parts: BTreeMap<u32, usize>,
     /// Its mass [mass].
     mass: f64,
     /// Largest force on it in each direction [force].
-    force: Range,
+    force: ComponentBounds,
     /// Largest acceleration by gravity [length/time^2].
-    gravity: Range,
+    gravity: ComponentBounds,
     /// True for the directions in which a node is held.
     held: [bool; 3],
     /// True if it has a surface, or particles.
@@ -81,7 +81,7 @@ pub fn without_contact(
 /// Returns true if two bodies move relative to each other and may meet. `rest` is the way below
 /// which they are at rest [length].
 fn reaches(a: &SeparateBody, b: &SeparateBody, rest: f64) -> bool {
-    let way: Range =
+    let way: ComponentBounds =
         std::array::from_fn(|c| [a.way[c][0] - b.way[c][1], a.way[c][1] - b.way[c][0]]);
     let moves = way.as_flattened().iter().any(|d| d.abs() > rest);
     moves
@@ -283,14 +283,14 @@ fn factors(curves: &[Vec<[f64; 2]>], curve: Option<usize>) -> [f64; 2] {
 }
 
 /// Returns the range of a vector that is multiplied by a factor of a range.
-fn scaled(vector: [f64; 3], factor: [f64; 2]) -> Range {
+fn scaled(vector: [f64; 3], factor: [f64; 2]) -> ComponentBounds {
     vector.map(|v| {
         let [a, b] = factor.map(|f| f * v);
         [a.min(b), a.max(b)]
     })
 }
 
-fn add(to: &mut Range, more: Range) {
+fn add(to: &mut ComponentBounds, more: ComponentBounds) {
     to.as_flattened_mut().iter_mut().zip(more.as_flattened()).for_each(|(a, b)| *a += b);
 }
 
