@@ -264,17 +264,17 @@ impl RunningWorker {
             }
             let cpu = self.cycle_cpu(comm);
             self.report.cpu.push(cpu.as_secs_f32());
-            // Before a renewal, which forgets the contact forces of the step and the velocities
-            // before it.
+            // Before a renewal, which forgets the contact forces of the step.
             self.write_fields_if_due(comm, false)?;
-            if self.engine.clock.is_over(&self.engine.settings) {
-                self.send_last_row(comm)?;
-            }
             // The workers agreed on the displacement before this cycle.
             let displaced = before.or_larger(self.engine.agreement.displacement);
             self.report.displacement = self.report.displacement.or_larger(displaced);
             if agreed.margin_used >= 1.0 {
                 self.send_report(comm)?; // the master must know that all wait for its order
+            }
+            if self.engine.clock.is_over(&self.engine.settings) {
+                self.send_rest(comm)?;
+                self.send_last_row(comm)?; // a renewal also forgets the velocities before the step
             }
             let before = self.cycle_cpu(comm);
             self.take_orders(comm, &agreed)?;
@@ -291,10 +291,12 @@ impl RunningWorker {
                 post(comm, 0, Tag::Report, &ToMaster::Saved(saved))?;
             }
         }
-        if !self.report.cpu.is_empty() {
-            self.send_report(comm)?;
-        }
-        Ok(())
+        self.send_rest(comm)
+    }
+
+    /// Sends a report of the cycles since the last one, if there are any.
+    fn send_rest(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        if self.report.cpu.is_empty() { Ok(()) } else { self.send_report(comm) }
     }
 
     /// Sends the row of the end of the run, once.
@@ -302,11 +304,7 @@ impl RunningWorker {
         if std::mem::replace(&mut self.last_row_sent, true) {
             return Ok(());
         }
-        // A run that continues from here goes on with the number of this row.
-        let rows = self.engine.clock.rows;
-        self.engine.send_row(comm, true)?;
-        self.engine.clock.rows = rows;
-        Ok(())
+        self.engine.send_row(comm, true)
     }
 
     fn starts_outer_step(&self) -> bool {

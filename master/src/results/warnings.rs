@@ -84,8 +84,8 @@ pub struct EngineeringWarning {
     pub cycle: u64,
     /// Simulated time at which it was found [time].
     pub time: f64,
-    /// The quantity that is compared with its limit, at its worst so far. All are ratios, but the
-    /// number of crossings of edges is a count.
+    /// The quantity that is compared with its limit, at its worst so far. All are ratios,
+    /// except that of crossings of edges, the largest number that one worker has found.
     pub value: f64,
     /// Simulated time of this value [time].
     pub worst_time: f64,

@@ -72,7 +72,7 @@ pub fn without_contact(
     }
     let message = format!(
         "there is no contact: {one} and {other} are not connected, one moves towards the other, \
-         and they pass through each other"
+         and they may pass through each other"
     );
     let help = "add [contact], or write law = \"none\" in it if this is meant";
     Some(Problem::warning("contact", message, help))
