@@ -133,6 +133,7 @@ pub fn read(reading: &mut MeshReading, bytes: &[u8]) {
     for card in cards.iter().filter(|card| !nodes::places_nodes(&card.name)) {
         reader.card(card);
     }
+    reader.rows_of_systems(&cards);
     // Sets name nodes and elements of the whole file.
     sets::read(&mut reader, &cards, &control, &sets);
     reader.add_materials();

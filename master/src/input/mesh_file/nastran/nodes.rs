@@ -71,6 +71,8 @@ pub struct SystemTable {
     solved: HashMap<u64, Option<NodeSystem>>,
     /// Systems of displacements of the nodes that have one.
     displaced: HashMap<u64, u64>,
+    /// The `GRDSET` that counts, if it gives a system.
+    default: Option<FilePlace>,
 }
 
 impl SystemTable {
@@ -93,6 +95,9 @@ impl SystemTable {
     pub fn system(&mut self, id: u64, reading: &mut MeshReading) -> Option<NodeSystem> {
         if id == 0 {
             return Some(NodeSystem::basic());
+        }
+        if let Some(known) = self.solved.get(&id) {
+            return *known;
         }
         // Systems that wait for others: the last one needs none of those before it.
         let (mut path, mut is_open) = (vec![id], HashSet::from([id]));
@@ -229,7 +234,7 @@ impl BulkReader<'_> {
         for grid in grids {
             self.place(grid);
         }
-        self.rows_of_systems(cards, default.filter(|_| systems[0] > 0));
+        self.systems.default = default.map(|card| card.place).filter(|_| systems != [0; 2]);
     }
 
     /// Reads a node.
@@ -312,19 +317,19 @@ impl BulkReader<'_> {
         Ok(())
     }
 
-    /// Adds rows for the systems and for `GRDSET`, which `used` has if it gives a system.
-    fn rows_of_systems(&mut self, cards: &[BulkCard], used: Option<&BulkCard>) {
-        let SystemTable { cards: systems, solved, .. } = &self.systems;
+    /// Adds rows for the systems and for `GRDSET`, after all nodes and elements.
+    pub fn rows_of_systems(&mut self, cards: &[BulkCard]) {
+        let SystemTable { cards: systems, solved, default, .. } = &self.systems;
         for (id, system) in systems {
             let (fate, became) = match solved.contains_key(id) {
-                true => (Fate::Read, "coordinates of nodes, which are in the basic system now"),
-                false => (Fate::Ignored, "no node has coordinates in it"),
+                true => (Fate::Read, "coordinates and directions, in the basic system now"),
+                false => (Fate::Ignored, "no node has coordinates in it, and no bar a direction"),
             };
             self.reading.row(fate, system.card.as_str(), 1, became);
         }
         for card in cards.iter().filter(|card| card.name == "GRDSET") {
-            let (fate, became) = match used.is_some_and(|used| used.place == card.place) {
-                true => (Fate::Read, "the system of the nodes that name none"),
+            let (fate, became) = match *default == Some(card.place) {
+                true => (Fate::Read, "the systems of the nodes that name none"),
                 false => (Fate::Ignored, "it gives no system of coordinates"),
             };
             self.reading.row(fate, "GRDSET", 1, became);
