@@ -161,7 +161,8 @@ fn read_foreign_mesh(
         Ok(read) => {
             let shown = file.display().to_string();
             let offsets = offsets_of(&read.mesh).into_iter().map(|(id, offset)| (id, id, offset));
-            added::warn_of_offsets((&shown, "mesh.file"), offsets, job, findings);
+            let listed = &job.mesh.offsets;
+            added::warn_of_offsets((&shown, "mesh.file"), offsets, listed, job, findings);
             sources.mesh_rows = read.rows;
             sources.mesh_files = read.files;
             read.warnings.into_iter().for_each(|warning| findings.add(warning));

@@ -98,14 +98,16 @@ pub fn check(list: &[AddedMeshInput], findings: &mut JobProblems) -> bool {
 }
 
 /// Warns of parts whose shells have an offset in a mesh file and none in the job: ids in the file
-/// and in the job, and the offset. The first argument is the file and the key that names it.
+/// and in the job, and the offset. The first argument is the file and the key that names it;
+/// `listed` are the offsets of single shells that the job gives: a job with any has decided.
 pub fn warn_of_offsets(
     (file, key): (&str, &str),
     offsets: impl Iterator<Item = (u32, u32, f64)>,
+    listed: &[[f64; 2]],
     job: &Job,
     findings: &mut JobProblems,
 ) {
-    for (of_file, id, offset) in offsets {
+    for (of_file, id, offset) in offsets.filter(|_| listed.is_empty()) {
         let part = job.part.iter().find(|part| part.id == id);
         if part.is_none_or(|part| part.offset != 0.0) {
             continue;
@@ -165,7 +167,7 @@ impl PlacedMesh {
         OwnLists::of_added(index, input).assign(&mut mesh, &mut Few::new(findings));
         let key = format!("mesh.add.{index}.file");
         let offsets = offsets.into_iter().map(|(id, offset)| (id, id + part_offset, offset));
-        warn_of_offsets((&file, &key), offsets, job, findings);
+        warn_of_offsets((&file, &key), offsets, &input.offsets, job, findings);
         self.added.push(AddedRange {
             key,
             origin: format!("{file} (its ids + {id_offset}, those of its parts + {part_offset})"),
@@ -523,6 +525,9 @@ mod tests {
         );
         let given = added.replace("id = 1001\n", "id = 1001\noffset = -1.0\n");
         assert!(!warnings(&given).contains("have the offset"));
+        let listed =
+            added.replace("file = \"plate.inp\"\n", "file = \"plate.inp\"\noffsets = [[1, 0.0]]\n");
+        assert!(!warnings(&listed).contains("have the offset"), "zero is meant");
         let (source, file) = ("generator = \"plate\"", "file = \"plate.inp\"");
         assert_says(
             &warnings(&job(&[], "").replace(source, file)),
