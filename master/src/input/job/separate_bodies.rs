@@ -4,6 +4,7 @@
 //! airbags are left out.
 
 use super::state::{ElementStart, NodeStart};
+use crate::input::mesh_file::systems::cross;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::Job;
@@ -26,7 +27,7 @@ type ComponentBounds = [[f64; 2]; 3];
 struct SeparateBody {
     /// Box around its nodes [length].
     bounds: Aabb,
-    /// Displacement of its nodes up to the end time [length].
+    /// Displacement of its nodes up to the end time, without gravity [length].
     way: ComponentBounds,
     /// Number of its elements by part id.
     parts: BTreeMap<u32, usize>,
@@ -60,7 +61,8 @@ pub fn without_contact(
     let size = (0..3).map(|c| whole.max[c] - whole.min[c]).fold(0.0, f64::max);
     let pairs =
         bodies.iter().enumerate().flat_map(|(i, a)| bodies[..i].iter().map(move |b| (b, a)));
-    let (first, second) = pairs.into_iter().find(|(a, b)| reaches(a, b, AT_REST * size))?;
+    let end = settings.end_time;
+    let (first, second) = pairs.into_iter().find(|(a, b)| reaches(a, b, AT_REST * size, end))?;
     let main = |body: &SeparateBody| {
         let most = body.parts.iter().max_by_key(|&(id, count)| (count, std::cmp::Reverse(id)));
         let part = most.and_then(|(id, _)| settings.parts.iter().find(|p| p.id == *id));
@@ -78,11 +80,17 @@ pub fn without_contact(
     Some(Problem::warning("contact", message, help))
 }
 
-/// Returns true if two bodies move relative to each other and may meet. `rest` is the way below
-/// which they are at rest [length].
-fn reaches(a: &SeparateBody, b: &SeparateBody, rest: f64) -> bool {
-    let way: ComponentBounds =
-        std::array::from_fn(|c| [a.way[c][0] - b.way[c][1], a.way[c][1] - b.way[c][0]]);
+/// Returns true if two bodies move relative to each other and may meet up to the time `end`. `rest`
+/// is the way below which they are at rest [length]. Bodies that fall alike do not approach.
+fn reaches(a: &SeparateBody, b: &SeparateBody, rest: f64, end: f64) -> bool {
+    let way: ComponentBounds = std::array::from_fn(|c| {
+        let falls = [a, b].map(|body| body.free_gravity(c).map(|g| 0.5 * end * end * g));
+        let [of_a, of_b] = if falls[0] == falls[1] { [[0.0; 2]; 2] } else { falls };
+        [
+            a.way[c][0] + of_a[0] - b.way[c][1] - of_b[1],
+            a.way[c][1] + of_a[1] - b.way[c][0] - of_b[0],
+        ]
+    });
     let moves = way.as_flattened().iter().any(|d| d.abs() > rest);
     moves
         && (0..3).all(|c| {
@@ -156,19 +164,19 @@ fn bodies(
             let e = &mesh.elements[e];
             let Some(corners) = e.shape.faces().get(usize::from(*face)) else { continue };
             let [a, b, c, d] = corners.map(|i| mesh.nodes[place[&e.nodes[i]]].x);
-            let normal = cross(sub(c, a), sub(d, b)).map(|n| -0.5 * p.pressure * n);
+            let [u, v] =
+                [[a, c], [b, d]].map(|[from, to]| std::array::from_fn(|k| to[k] - from[k]));
+            let normal = cross(u, v).map(|n| -0.5 * p.pressure * n);
             let body = body_of(place[&e.nodes[0]]);
             body.into_iter().for_each(|i| add(&mut bodies[i].force, scaled(normal, factor)));
         }
     }
     for body in &mut bodies {
         for c in (0..3).filter(|&c| !body.held[c]) {
-            let fall = |k: usize| {
-                let by_force = if body.mass > 0.0 { body.force[c][k] / body.mass } else { 0.0 };
-                0.5 * end * end * (body.gravity[c][k] + by_force)
-            };
-            let [low, high] = [fall(0), fall(1)];
-            body.way[c] = [body.way[c][0] + low, body.way[c][1] + high];
+            let per_mass = if body.mass > 0.0 { 1.0 / body.mass } else { 0.0 };
+            for k in 0..2 {
+                body.way[c][k] += 0.5 * end * end * body.force[c][k] * per_mass;
+            }
         }
     }
     for motion in &loads.motions {
@@ -248,6 +256,12 @@ impl SeparateBody {
         }
     }
 
+    /// Returns the smallest and largest acceleration by gravity in a direction in which no node is
+    /// held; zero in others [length/time^2].
+    fn free_gravity(&self, c: usize) -> [f64; 2] {
+        if self.held[c] { [0.0; 2] } else { self.gravity[c] }
+    }
+
     /// Adds a prescribed motion to its way.
     fn lead(&mut self, motion: &PrescribedMotion, (curves, end): (&[Vec<[f64; 2]>], f64)) {
         let factor = factors(curves, motion.curve);
@@ -292,14 +306,6 @@ fn scaled(vector: [f64; 3], factor: [f64; 2]) -> ComponentBounds {
 
 fn add(to: &mut ComponentBounds, more: ComponentBounds) {
     to.as_flattened_mut().iter_mut().zip(more.as_flattened()).for_each(|(a, b)| *a += b);
-}
-
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|c| a[c] - b[c])
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]
@@ -364,6 +370,11 @@ dofs = ["x", "y", "z", "rx", "ry", "rz"]
     fn bodies_that_do_not_meet_need_no_contact() {
         assert_eq!(warned(&FALLS.replace("-10.0", "-4.0")), None, "it does not get there");
         assert_eq!(warned(&FALLS.replace("-10.0", "10.0")), None, "it flies away");
+        let gravity = "[[gravity]]\nacceleration = [0.0, 0.0, -20.0]\n";
+        let free = JOB.split("[[fix]]").next().unwrap();
+        let read = |text: String| read_text(PathBuf::from("job.toml"), text, &[]).unwrap();
+        let falling = read(format!("{free}{gravity}"));
+        assert!(falling.warnings.iter().all(|w| !w.message.contains("no contact")), "both fall");
         assert_eq!(warned(&format!("{FALLS}[contact]\nlaw = \"none\"\n")), None, "it is meant");
     }
 

@@ -23,7 +23,7 @@ mod nastran;
 mod reading;
 mod signatures;
 mod stl;
-mod systems;
+pub mod systems;
 mod vtk;
 
 pub use content::{FileMaterial, FileMesh, FilePart, FileRate};
