@@ -501,7 +501,7 @@ impl Formulation for C0Triangle {
         }
         if self.section.deletes {
             let (calm, sound) = (response.calm, response.totals.sound);
-            let gone = self.section.delete_inverted(history, calm, sound, corners.sum());
+            let gone = self.section.delete_inverted(history, calm, sound, || corners.sum());
             response.zero_failed(gone);
         }
         scatter(&response, force, moment);

@@ -515,8 +515,8 @@ impl<K: Kernel> Formulation for Quad<K> {
             shift_to_nodes(arm, force, moment);
         }
         if section.deletes {
-            let gone =
-                section.delete_inverted(history, calm, totals.sound, magnitude(group, nodes));
+            let moves = || magnitude(group, nodes);
+            let gone = section.delete_inverted(history, calm, totals.sound, moves);
             totals.zero_failed(gone);
             zero_corners::<L, W>(gone, force, moment);
         }

@@ -556,9 +556,9 @@ impl Section {
 
     /// Deletes inverted elements of a part with [`Self::deletes`]. Returns the lanes with deleted
     /// elements, now or before. `calm` are the lanes that have an area and the strain increments of
-    /// a valid step, `sound` those that are valid in all respects. `moves` is a sum over
-    /// coordinates and velocities: if it is not finite, no element is deleted and the run must
-    /// stop. A deleted element keeps no state, since its shape gives no valid one.
+    /// a valid step, `sound` those that are valid in all respects. `moves` returns a sum over
+    /// coordinates and velocities, and is called if a lane is neither: if the sum is not finite, no
+    /// element is deleted and the run must stop. A deleted element keeps no state, since its shape gives no valid one.
     #[cold]
     #[inline(never)]
     pub fn delete_inverted<R: Real>(
@@ -566,18 +566,17 @@ impl Section {
         history: &mut [R],
         calm: R::Mask,
         sound: R::Mask,
-        moves: R,
+        moves: impl FnOnce() -> R,
     ) -> R::Mask {
         let (zero, one) = (R::zero(), R::splat(1.0));
         let (columns, each) = (self.point_columns(), self.each());
         let last = history.len() - 1;
         let (state, mark) = history.split_at_mut(last);
-        let inverted = R::select(
-            R::either(calm, sound),
-            zero,
-            R::select(moves.le(R::splat(R::LARGEST)), one, zero),
-        );
-        mark[0] = Real::max(mark[0], inverted);
+        let inverted = R::select(R::either(calm, sound), zero, one);
+        if R::any(inverted.gt(zero)) {
+            let is_finite = moves().le(R::splat(R::LARGEST));
+            mark[0] = Real::max(mark[0], R::select(is_finite, inverted, zero));
+        }
         let gone = mark[0].gt(R::splat(0.5));
         if !R::any(gone) {
             return gone;
