@@ -465,6 +465,13 @@ fn systems_of_nodes_are_rows_of_the_table() {
     let found = good("a.bdf", &changed(&plate, "GRID,6,,2.,1.,0.\n", cards));
     assert_eq!(row(&found, "CORD2C"), Some((Fate::Read, 1)));
     assert_eq!(row(&found, "CORD2R"), Some((Fate::Ignored, 1)));
+    // The vector of a bar has the axes of the displacements of its first node.
+    let bar = "GRDSET,,,,,,4\nGRID,6,3,2.,30.,1.\nCBAR,90,91,6,1,5.,0.,0.\n\
+               PBAR,91,1,1.,1.,1.,1.\n";
+    let text = changed(&plate, "GRID,6,,2.,1.,0.\n", cards);
+    let with_bar = good("a.bdf", &changed(&text, "GRID,6,3,2.,30.,1.,3\n", bar));
+    assert_eq!(row(&with_bar, "CORD2R"), Some((Fate::Read, 1)));
+    assert_eq!(row(&with_bar, "GRDSET"), Some((Fate::Read, 1)));
     // 2 cos 30, 2 sin 30.
     let wanted = [3.0_f64.sqrt(), 1.0, 1.0];
     let apart = (0..3).map(|c| (found.mesh.nodes[5].x[c] - wanted[c]).abs()).fold(0.0, f64::max);
