@@ -9,14 +9,15 @@
 //! reference. The second one is the coarse mesh of the shipped scene, which is cheap: its rows
 //! record the deviation.
 
-use super::crush::{DEFAULT_SHELL, shells};
-use super::measure::Push;
+use super::crush::{DEFAULT_SHELL, FOLDS, shells};
+use super::measure::{Push, displacement, folds};
 use super::row::CheckRow;
 use super::scene::Scene;
 use super::{Bench, Check, bench};
 use crumple::input::job::Model;
 use crumple_cases::jobs;
 use crumple_worker::energy::momentum;
+use crumple_worker::engine::Engine;
 use std::f64::consts::FRAC_PI_4;
 use std::ops::ControlFlow;
 
@@ -65,6 +66,8 @@ struct Crash {
     /// Factors on forces and times for kN and ms.
     to_kn: f64,
     to_ms: f64,
+    /// Counts the folds at the end, where the crash has any.
+    folds: fn(&Engine, &Mesh) -> Option<usize>,
 }
 
 /// Results of a crash, in units of its job.
@@ -76,6 +79,8 @@ struct Shown {
     peak: f64,
     /// Energy in stresses and hourglass control at each station [energy].
     absorbed: Vec<f64>,
+    /// Number of folds, see [`Crash::folds`].
+    folds: Option<usize>,
 }
 
 /// A mesh that a crash runs on.
@@ -90,7 +95,12 @@ struct Mesh {
 
 impl Crash {
     /// Runs the crash; returns its results and the rows that need no reference.
-    fn run(&self, variant: &str, model: &Model) -> Result<(Shown, Vec<CheckRow>), String> {
+    fn run(
+        &self,
+        variant: &str,
+        mesh: &Mesh,
+        model: &Model,
+    ) -> Result<(Shown, Vec<CheckRow>), String> {
         let (mut push, mut absorbed, mut penetration) = (Push::default(), Vec::new(), 0.0f64);
         let mut start = None;
         let last = self.stations.last().copied().unwrap_or(0.0);
@@ -136,7 +146,8 @@ impl Crash {
                 .at_most(0.5, "limit of the catalogue"),
         ];
         rows.extend(run.energy_rows(variant, 1e-2));
-        Ok((Shown { mean: push.mean_force(0.0, last), peak, absorbed }, rows))
+        let folds = (self.folds)(&run.engine, mesh);
+        Ok((Shown { mean: push.mean_force(0.0, last), peak, absorbed, folds }, rows))
     }
 
     /// Runs the crash on every mesh with those quads of the table that `runs` selects; `build`
@@ -156,7 +167,7 @@ impl Crash {
             .filter(|(_, shell)| runs(shell))
         {
             let variant = format!("{shell}, {}", mesh.name);
-            let (shown, rows) = self.run(&variant, &build(shell, mesh)?)?;
+            let (shown, rows) = self.run(&variant, mesh, &build(shell, mesh)?)?;
             let against = self.against(&variant, &shown, wanted, source);
             all.extend(against.into_iter().map(|row| if mesh.held { row } else { row.recorded() }));
             all.extend(rows);
@@ -192,6 +203,13 @@ impl Crash {
         {
             let quantity = format!("energy absorbed at {} ms", ms * t);
             rows.push(CheckRow::new(quantity, variant, "J", *ours).near(*expected, 0.1, source));
+        }
+        if let (Some(ours), Some(expected)) = (shown.folds, wanted.folds) {
+            rows.push(CheckRow::new("folds along a face", variant, "", ours as f64).within(
+                expected as f64,
+                FOLDS,
+                source,
+            ));
         }
         rows
     }
@@ -261,13 +279,20 @@ fn s_beam_scene(shell: &str, quads: usize) -> Scene {
 }
 
 fn s_beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
-    let crash =
-        Crash { axis: 0, window: 2e-4, stations: &[2e-3, 4e-3, 6e-3], to_kn: 1e-3, to_ms: 1e3 };
+    let crash = Crash {
+        axis: 0,
+        window: 2e-4,
+        stations: &[2e-3, 4e-3, 6e-3],
+        to_kn: 1e-3,
+        to_ms: 1e3,
+        folds: |_, _| None,
+    };
     let meshes = [
         Mesh { name: "5 mm", fineness: 16, held: true },
         Mesh { name: "6.67 mm, coarse", fineness: 12, held: false },
     ];
-    let wanted = Shown { mean: 25.29e3, peak: 106.8e3, absorbed: vec![812.0, 1180.2, 1441.0] };
+    let wanted =
+        Shown { mean: 25.29e3, peak: 106.8e3, absorbed: vec![812.0, 1180.2, 1441.0], folds: None };
     crash.all(
         |_| true,
         &meshes,
@@ -282,14 +307,34 @@ fn s_beam(bench: &Bench) -> Result<Vec<CheckRow>, String> {
     )
 }
 
+/// Counts the folds of `cases/tube` along the middle of its first face, of more than two
+/// thicknesses of 1 mm.
+fn folds_of_tube(e: &Engine, mesh: &Mesh) -> Option<usize> {
+    let (around, middle) = (4 * mesh.fineness, mesh.fineness / 2);
+    let rings = e.nodes.local_count / around;
+    let line = (0..rings).map(|ring| displacement(e, (ring * around + middle + 1) as u32)[0]);
+    Some(folds(line, 2.0))
+}
+
 fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
-    let crash =
-        Crash { axis: 2, window: 0.1, stations: &[0.5, 1.0, 1.5, 2.0], to_kn: 1.0, to_ms: 1.0 };
+    let crash = Crash {
+        axis: 2,
+        window: 0.1,
+        stations: &[0.5, 1.0, 1.5, 2.0],
+        to_kn: 1.0,
+        to_ms: 1.0,
+        folds: folds_of_tube,
+    };
     let meshes = [
         Mesh { name: "1.25 mm", fineness: 24, held: true },
         Mesh { name: "2.5 mm, coarse", fineness: 12, held: false },
     ];
-    let wanted = Shown { mean: 11.82, peak: 26.73, absorbed: vec![103.89, 169.17, 267.63, 343.90] };
+    let wanted = Shown {
+        mean: 11.82,
+        peak: 26.73,
+        absorbed: vec![103.89, 169.17, 267.63, 343.90],
+        folds: Some(5),
+    };
     crash.all(
         |_| true,
         &meshes,
@@ -310,7 +355,15 @@ fn short_tube(bench: &Bench) -> Result<Vec<CheckRow>, String> {
 /// Folds of a perfectly plastic tube over the whole range of the coefficients of hourglass control
 /// and drilling: no element inverts, which would end the run.
 fn coefficients(bench: &Bench) -> Result<Vec<CheckRow>, String> {
-    let crash = Crash { axis: 2, window: 0.1, stations: &[2.0], to_kn: 1.0, to_ms: 1.0 };
+    let crash = Crash {
+        axis: 2,
+        window: 0.1,
+        stations: &[2.0],
+        to_kn: 1.0,
+        to_ms: 1.0,
+        folds: folds_of_tube,
+    };
+    let mesh = Mesh { name: "2.5 mm", fineness: 12, held: false };
     let mut all = Vec::new();
     for shell in shells() {
         for (hourglass, drilling) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)] {
@@ -328,8 +381,10 @@ fn coefficients(bench: &Bench) -> Result<Vec<CheckRow>, String> {
                 continue; // it has none
             }
             let model = bench.model_of(&format!("B19 {variant}"), jobs::TUBE.into(), &sets)?;
-            let (shown, rows) = crash.run(&variant, &model)?;
+            let (shown, rows) = crash.run(&variant, &mesh, &model)?;
             all.push(CheckRow::new("mean force up to 2 ms", &variant, "kN", shown.mean));
+            let folds = shown.folds.unwrap_or(0) as f64;
+            all.push(CheckRow::new("folds along a face", &variant, "", folds));
             // Hourglass energy at the largest coefficients is what they are chosen for.
             all.extend(rows.into_iter().map(|row| {
                 if row.quantity.starts_with("hourglass") { row.recorded() } else { row }
@@ -342,16 +397,26 @@ fn coefficients(bench: &Bench) -> Result<Vec<CheckRow>, String> {
 fn frame(bench: &Bench, runs: fn(&str) -> bool) -> Result<Vec<CheckRow>, String> {
     const JOB: &str = jobs::JEEP_FRAME;
     const PARTS: u32 = 8;
-    let crash =
-        Crash { axis: 0, window: 0.25, stations: &[2.5, 5.0, 7.5, 10.0], to_kn: 1.0, to_ms: 1.0 };
+    let crash = Crash {
+        axis: 0,
+        window: 0.25,
+        stations: &[2.5, 5.0, 7.5, 10.0],
+        to_kn: 1.0,
+        to_ms: 1.0,
+        folds: |_, _| None,
+    };
     let meshes = [
         // Only the horns are refined: with the whole frame refined the fully integrated shell
         // absorbs the same energy by 5 ms, within 0.04 %.
         Mesh { name: "horn_refine = 3", fineness: 3, held: true },
         Mesh { name: "refine = 1, coarse", fineness: 1, held: false },
     ];
-    let wanted =
-        Shown { mean: 394.6, peak: 964.0, absorbed: vec![15600.0, 22017.0, 33975.0, 45774.0] };
+    let wanted = Shown {
+        mean: 394.6,
+        peak: 964.0,
+        absorbed: vec![15600.0, 22017.0, 33975.0, 45774.0],
+        folds: None,
+    };
     let rows = crash.all(
         runs,
         &meshes,

@@ -5,7 +5,7 @@
 //! stations, the number of folds, the hourglass energy, the penetration, and the energy balance.
 //! The default shell must be near the converged results; those of others are recorded.
 
-use super::measure::{displacement, mean_velocity, position};
+use super::measure::{displacement, folds, mean_velocity, position};
 use super::row::CheckRow;
 use super::scene::{Elastic, STEEL, Scene};
 use super::{Bench, Check};
@@ -102,7 +102,7 @@ const FOLDS_OF_ROUND: &str = "the way of folding depends on mesh and trigger. Ex
 /// change them by up to 9 %, and the depth of the trigger by 1 %.
 const OF_CONVERGED: f64 = 0.1;
 /// Tolerance of the number of folds: the last one may just begin.
-const FOLDS: f64 = 1.0;
+pub const FOLDS: f64 = 1.0;
 /// Time over which the force on the head is averaged for its peak [s].
 const WINDOW: f64 = 1e-4;
 /// Returns the shells for every tube: all quads of the table.
@@ -235,7 +235,7 @@ impl Tube<'_> {
             ));
         }
         let hourglass = run.energies.hourglass / run.energies.internal;
-        let folds = self.folds(&run.engine, &nodes);
+        let folds = self.count_folds(&run.engine, &nodes);
         let waviness = self.waviness(&run.engine, &nodes);
         Ok(Crushed {
             stations: at.to_vec(),
@@ -256,28 +256,13 @@ impl Tube<'_> {
         [(x[0] - u[0]).hypot(x[1] - u[1]), x[0].hypot(x[1])]
     }
 
-    /// Counts the reversals of the displacement along the middle of the first face, by more than
-    /// two thicknesses from the last extreme.
-    fn folds(&self, e: &Engine, nodes: &[u32]) -> usize {
+    /// Counts the folds along the middle of the first face, of more than two thicknesses.
+    fn count_folds(&self, e: &Engine, nodes: &[u32]) -> usize {
         let line = (0..=self.along).map(|i| {
             let [then, now] = Self::radii(e, nodes[i * self.around + self.around / 8]);
             now - then
         });
-        let (mut folds, mut extreme, mut outward) = (0, 0.0f64, None);
-        for u in line {
-            let past = match outward {
-                Some(true) => extreme - u,
-                Some(false) => u - extreme,
-                None => u.abs(),
-            };
-            if past > 2.0 * self.thickness {
-                outward = Some(outward.map_or(u > 0.0, |outward| !outward));
-                (folds, extreme) = (folds + 1, u);
-            } else if outward.is_some_and(|outward| (u > extreme) == outward) {
-                extreme = u;
-            }
-        }
-        folds
+        folds(line, 2.0 * self.thickness)
     }
 
     /// See [`Crushed::waviness`].

@@ -20,6 +20,26 @@ pub fn displacement(e: &Engine, node: u32) -> [f64; 3] {
     [x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]]
 }
 
+/// Counts the folds along a line of nodes, given their outward displacements [m]: the reversals by
+/// more than `least` from the last extreme.
+pub fn folds(line: impl IntoIterator<Item = f64>, least: f64) -> usize {
+    let (mut folds, mut extreme, mut outward) = (0, 0.0f64, None);
+    for u in line {
+        let past = match outward {
+            Some(true) => extreme - u,
+            Some(false) => u - extreme,
+            None => u.abs(),
+        };
+        if past > least {
+            outward = Some(outward.map_or(u > 0.0, |outward| !outward));
+            (folds, extreme) = (folds + 1, u);
+        } else if outward.is_some_and(|outward| (u > extreme) == outward) {
+            extreme = u;
+        }
+    }
+    folds
+}
+
 /// Position [m] and rotation vector [1].
 pub type Pose = ([f64; 3], [f64; 3]);
 

@@ -32,7 +32,7 @@ const LOSSES: [(&str, &[&str]); 8] = [
     ("Light parts between heavy ones", &["C15"]),
     ("Time and place at which sliding parts stop", &["A07", "C18"]),
     ("Impact times, contact areas and peaks with penalty laws", &["A01", "A10", "A11"]),
-    ("Energy of many short contacts, friction of penalty laws in stick", &["A29", "C02"]),
+    ("Energy of many short contacts, friction of penalty laws in stick", &["A29"]),
     ("Distorted or twisted shells of Belytschko and Tsay", &["A21", "A30"]),
     ("Vibrations of coarse panels and beams", &["A15", "A16"]),
     ("Thick walls of few solids", &["C12"]),

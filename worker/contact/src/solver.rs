@@ -120,6 +120,7 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
         t.compute_compliances(self.nodes, self.around, is_split);
         for p in t.pairs.iter_mut().filter(|p| p.is_owned) {
             p.approach_speed = demand(p, &p.relative_velocity(self.nodes), self.steps);
+            p.opening_before = p.last_opening(self.nodes);
         }
         if self.laws.iterations().contains(&Iteration::GaussSeidel) {
             t.build_schedule(self.around)?;

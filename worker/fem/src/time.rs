@@ -28,6 +28,11 @@ impl StepSizes {
     pub fn given(&self) -> f64 {
         self.dt_velocity / self.dt_damped
     }
+
+    /// Returns the step from the last to the present time, 0 in the first cycle [time].
+    pub fn dt_before(&self) -> f64 {
+        2.0 * self.dt_velocity - self.dt
+    }
 }
 
 /// Elements that a cycle computes.

@@ -15,6 +15,15 @@
 //! pulls. Without it, nodes that slide or rest on springs chatter. Its force is computed from
 //! the velocity after the step (implicit), so that it does not lower the stable step.
 //!
+//! **Begin and end of a contact.** Forces act at the ends of steps. In the step in which a spring
+//! gets its first compression, its full force takes up to `1/8 k (v dt)^2` too much energy; in the
+//! step after which it is free, the full force gives too much. Between two steps with the
+//! compressions d and d' central differences keep `1/2 m u^2 + 1/2 k d d'`, where u is the mid-step
+//! velocity. Therefore the impulse J of the first step takes exactly `1/2 k d d'` from the kinetic
+//! energy: `J (v + u)/2 = 1/2 k d (d + u dt)` with the speeds of approach v before and u after it.
+//! The impulse of the last step returns this amount. Both are less than `k d dt`. An undamped pair
+//! then keeps its energy to round-off.
+//!
 //! **Friction** acts from the first force of a contact on: its spring is stretched by the
 //! distance slid since the contact began within the step before. Without that a body that
 //! chatters would lose the friction of a fraction of a step in every contact.
@@ -180,10 +189,11 @@ impl ContactLaw for Penalty {
         if c <= 0.0 {
             return None; // both sides are fixed
         }
-        let damper = 2.0 * self.damping * (k / c).sqrt();
-        let spring = (-k * pair.gap).max(0.0);
-        let damped =
-            (spring - damper * velocity.dot(&pair.normal)) / (1.0 + damper * c * steps.dt_damped);
+        let opening = velocity.dot(&pair.normal);
+        let share = fraction_of_step(pair, k, opening, steps);
+        let damper = 2.0 * self.damping * (k / c).sqrt() * share;
+        let spring = (-k * pair.gap).max(0.0) * share;
+        let damped = (spring - damper * opening) / (1.0 + damper * c * steps.dt_damped);
         let pressed = if spring > 0.0 { damped.max(0.0) } else { 0.0 };
         Some(pair.normal * pressed + within_cone(pair.slip * -tangential(pair, k), pressed, pair))
     }
@@ -210,6 +220,39 @@ impl ContactLaw for Penalty {
         let (k, most) = self.wanted(pair, steps);
         k > most && pair.force != V3::zeros()
     }
+}
+
+/// Returns the fraction of a spring's full impulse with which energy is kept where the contact
+/// begins or ends, else 1 (see the head of the file). `opening` is the relative velocity along the
+/// normal at the next mid-step without the force of the spring, which has the stiffness `k`.
+fn fraction_of_step(pair: &Pair, k: f64, opening: f64, steps: StepSizes) -> f64 {
+    let depth = -pair.gap;
+    let whole = k * depth * steps.dt_damped;
+    if whole <= 0.0 {
+        return 1.0;
+    }
+    let (before, dt) = (pair.opening_before, steps.dt);
+    let depth_before = depth + before * steps.dt_before();
+    let c = pair.compliance[0];
+    let leaves = depth < (opening + c * whole) * dt;
+    let impulse = match (depth_before < 0.0, leaves) {
+        // Root of `c J^2 - b J + e = 0`.
+        (true, false) => {
+            let b = c * whole - opening - before;
+            let e = k * depth * (depth - opening * dt);
+            2.0 * e / (b + (b * b - 4.0 * c * e).max(0.0).sqrt())
+        }
+        // Root of `c J^2 + b J - e = 0`.
+        (false, true) => {
+            let b = opening + before;
+            let e = k * depth * depth_before;
+            2.0 * e / (b + (b * b + 4.0 * c * e).sqrt())
+        }
+        // It is the same with neither. A pair that touches for less than a step has a spring that
+        // is too stiff for the step.
+        _ => whole,
+    };
+    (impulse / whole).clamp(0.0, 1.0)
 }
 
 /// Returns the stiffness of the spring from the stick point, where the normal spring has the

@@ -166,6 +166,9 @@ pub struct Pair {
     /// Relative normal velocity that closes the gap beyond zero in the step without contact, 0
     /// if the gap is not closed [length/time].
     pub approach_speed: f64,
+    /// Relative velocity along the normal at the last mid-step, positive if the pair opened
+    /// [length/time].
+    pub opening_before: f64,
     /// Force to be added if the segment stands still, for laws that predict and correct [force].
     pub predictor_force: V3,
     /// Fraction of the correction that this pair gets, for laws that predict and correct.
@@ -250,6 +253,7 @@ impl Pair {
             rotational_compliance: 0.0,
             stiffer_compliance: 0.0,
             approach_speed: 0.0,
+            opening_before: 0.0,
             predictor_force: V3::zeros(),
             partition_factor: 1.0,
             slave_mass: 0.0,
@@ -478,6 +482,12 @@ impl Pair {
             return relative;
         }
         relative - self.met_mean(&nodes.w_next).cross(&self.normal) * self.lever_arms[1]
+    }
+
+    /// Returns [`Pair::opening_before`]; own pairs only. Rotations do not move the points along
+    /// the normal.
+    pub fn last_opening(&self, nodes: &Nodes) -> f64 {
+        (self.slave_mean(&nodes.v) - self.met_mean(&nodes.v)).dot(&self.normal)
     }
 
     /// Returns the work of the pair's force on its nodes over `mid`, the time from one mid-step

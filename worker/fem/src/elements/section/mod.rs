@@ -558,7 +558,8 @@ impl Section {
     /// elements, now or before. `calm` are the lanes that have an area and the strain increments of
     /// a valid step, `sound` those that are valid in all respects. `moves` returns a sum over
     /// coordinates and velocities, and is called if a lane is neither: if the sum is not finite, no
-    /// element is deleted and the run must stop. A deleted element keeps no state, since its shape gives no valid one.
+    /// element is deleted and the run must stop. A deleted element keeps no state, since its shape
+    /// gives no valid one.
     #[cold]
     #[inline(never)]
     pub fn delete_inverted<R: Real>(
