@@ -320,9 +320,9 @@ impl Engine {
         let mut sum = [0.0; 3];
         for e in &self.blocks.elements {
             let c = self.centre_of(e.nodes, e.record.shape);
-            (0..3).for_each(|k| sum[k] += c[k] / n);
+            (0..3).for_each(|k| sum[k] += c[k]);
         }
-        sum
+        sum.map(|s| s / n)
     }
 
     /// Returns the centre of an own element [length].

@@ -185,6 +185,17 @@ impl Rate {
     fn counts(&self) -> bool {
         !matches!(self, Rate::None)
     }
+
+    /// Returns the strain rate of a unit of strain in the step `dt` [time], over the rate of the
+    /// law. Compute it once for all points.
+    fn of_unit_strain(&self, dt: f64) -> f64 {
+        match self {
+            Rate::None => 0.0,
+            Rate::CowperSymonds { c: rate, .. } | Rate::Logarithmic { reference: rate, .. } => {
+                per_time(dt * rate)
+            }
+        }
+    }
 }
 
 /// Softening by temperature, `1 - T*^m` with T* the temperature rise over that to melting, and
@@ -274,18 +285,15 @@ impl Plasticity {
     }
 
     /// Returns the factor of the rate in the lanes of `mask`, one in others. `square` is `e:e` of
-    /// the deviator of the strain increment.
+    /// the deviator of the strain increment, `of_unit_strain` is [`Rate::of_unit_strain`].
     #[inline(always)]
-    fn rate_factor<R: Real>(&self, square: R, dt: f64, mask: R::Mask) -> R {
+    fn rate_factor<R: Real>(&self, square: R, of_unit_strain: f64, mask: R::Mask) -> R {
         let one = R::splat(1.0);
+        let rate = effective_strain(square) * R::splat(of_unit_strain);
         let factor = match self.rate {
             Rate::None => return one,
-            Rate::CowperSymonds { c, inv_p } => {
-                one + effective_rate(square, dt * c).powf_where(inv_p, mask)
-            }
-            Rate::Logarithmic { c, reference } => {
-                R::splat(c).mul_add(logarithm(effective_rate(square, dt * reference)), one)
-            }
+            Rate::CowperSymonds { inv_p, .. } => one + rate.powf_where(inv_p, mask),
+            Rate::Logarithmic { c, .. } => R::splat(c).mul_add(logarithm(rate), one),
         };
         R::select(mask, factor, one)
     }
@@ -363,8 +371,19 @@ impl Plasticity {
 /// is `e:e` of its deviator.
 #[inline(always)]
 fn effective_rate<R: Real>(square: R, time: f64) -> R {
-    let per_time = if time > 0.0 { 1.0 / time } else { 0.0 };
-    (R::splat(2.0 / 3.0) * square).sqrt() * R::splat(per_time)
+    effective_strain(square) * R::splat(per_time(time))
+}
+
+/// Returns the effective strain, `sqrt(2/3 e:e)`.
+#[inline(always)]
+fn effective_strain<R: Real>(square: R) -> R {
+    (R::splat(2.0 / 3.0) * square).sqrt()
+}
+
+/// Returns 1 over a time, zero for none.
+#[inline(always)]
+fn per_time(time: f64) -> f64 {
+    if time > 0.0 { 1.0 / time } else { 0.0 }
 }
 
 /// Returns the logarithm, zero below one.

@@ -73,12 +73,16 @@ impl Plasticity {
         let n = points.strain.len().min(MOST);
         let (strain, thickness_strain) = (&points.strain[..n], &mut points.thickness_strain[..n]);
         let states = &mut points.state.as_chunks_mut::<COLUMNS>().0[..n];
+        // p and q of a stress.
+        let squares = |state: &[R; COLUMNS]| {
+            let (s, d) = (state[0] + state[1], state[1] - state[0]);
+            [of_s * s * s, (of_d * d).mul_add(d, of_t * state[2] * state[2])]
+        };
 
         // 1. Elastic trial, and the lanes that yield.
-        let idle = Return { p: zero, q: zero, eps_p: zero, scale: R::splat(1.0), y: zero };
-        let mut returns = [idle; MOST];
+        let of_unit_strain = self.rate.of_unit_strain(dt);
         let mut yields = [zero.gt(zero); MOST];
-        let (returns, yields) = (&mut returns[..n], &mut yields[..n]);
+        let mut scales = [R::splat(1.0); MOST];
         let mut any = false;
         for k in 0..n {
             let (state, eps) = (&mut states[k], strain[k]);
@@ -88,23 +92,20 @@ impl Plasticity {
             state[1] += dy;
             state[2] = g.mul_add(eps[2], state[2]);
             thickness_strain[k] = thinning.mul_add(dx + dy, -(eps[0] + eps[1]));
-            let (s, d) = (state[0] + state[1], state[1] - state[0]);
-            let p = of_s * s * s;
-            let q = (of_d * d).mul_add(d, of_t * state[2] * state[2]);
+            let [p, q] = squares(state);
             let sig_y = self.yield_curve(state[STRAIN]).0;
             let mut scale = self.thermal_factor(&state[STRAIN..]);
             let soft = scale * sig_y;
             let mut over = (p + q).gt(soft * soft);
             if self.rate.counts() && R::any(over) {
-                scale = scale * self.rate_factor(square(eps), dt, over);
+                scale = scale * self.rate_factor(square(eps), of_unit_strain, over);
                 let scaled = scale * sig_y;
                 over = (p + q).gt(scaled * scaled);
             }
             if COLUMNS > STRAIN + 1 {
                 over = R::both(over, Self::alive(&state[STRAIN..]));
             }
-            yields[k] = over;
-            returns[k] = Return { p, q, eps_p: state[STRAIN], scale, y: zero };
+            (yields[k], scales[k]) = (over, scale);
             any |= R::any(over);
         }
         if !any {
@@ -115,6 +116,13 @@ impl Plasticity {
         }
 
         // 2. Plastic strain of each lane, at all points together, since they are independent.
+        // Elastic groups end before this: they need no trial in memory.
+        let mut returns: [Return<R>; MOST] = std::array::from_fn(|k| {
+            let state = &states[k.min(n - 1)];
+            let [p, q] = squares(state);
+            Return { p, q, eps_p: state[STRAIN], scale: scales[k], y: zero }
+        });
+        let (returns, yields) = (&mut returns[..n], &yields[..n]);
         self.solve(returns, yields);
 
         // 3. Return.

@@ -50,7 +50,7 @@ impl Plasticity {
         let mut scale = self.thermal_factor(&state[STRAIN..]);
         let mut over = trial.gt(scale * sig_y);
         if self.rate.counts() && R::any(over) {
-            scale = scale * self.rate_factor(square(), dt, over);
+            scale = scale * self.rate_factor(square(), self.rate.of_unit_strain(dt), over);
             over = trial.gt(scale * sig_y);
         }
         if COLUMNS > STRAIN + 1 {
