@@ -3,7 +3,7 @@
     python3 tube_folds.py DIR
 
 DIR has the results of a run; the last field file is read. The result is the number of reversals of
-the outward displacement by more than two thicknesses (1 mm). README.md has the results.
+the outward displacement by more than two thicknesses of 1 mm. README.md has the results.
 """
 
 import sys

@@ -213,7 +213,7 @@ impl Finished {
             "",
             self.given(),
         );
-        // Springs start and end within a step; the catalogue allows them half a per cent (A29).
+        // Springs of several pairs with common nodes; the catalogue allows half a per cent (A29).
         match self.springs {
             true => row.at_most(5e-3, "limit of A29 for springs"),
             false => row.at_most(1e-3, "[D] they only absorb energy; limit of part A"),

@@ -308,6 +308,7 @@ fn folds_of_tube(e: &Engine) -> usize {
     let nodes = &e.nodes;
     let is_on_line = |&n: &usize| nodes.x0[n][0] > 14.0 && nodes.x0[n][1].abs() < 1e-6;
     let mut line: Vec<usize> = (0..nodes.local_count).filter(is_on_line).collect();
+    assert!(!line.is_empty(), "the number of quads over a side is even");
     line.sort_by(|&a, &b| nodes.x0[a][2].total_cmp(&nodes.x0[b][2]));
     folds(line.into_iter().map(|n| nodes.x[n][0] - nodes.x0[n][0]), 2.0)
 }

@@ -274,10 +274,12 @@ mod tests {
         let stable = 0.31 / settings.safety;
         let mut c = Clock::new(&settings, stable);
         assert!((c.steps(0.0).dt_velocity - 0.155).abs() < 1e-12);
+        assert!(c.steps(0.0).dt_before().abs() < 1e-12, "there is no step before");
         let mut steps = vec![c.dt];
         while !c.is_over(&settings) {
             c.advance();
             c.select_dt(&settings, stable);
+            assert!((c.steps(0.0).dt_before() - steps[steps.len() - 1]).abs() < 1e-12);
             steps.push(c.dt);
         }
         assert!((c.time - 310.1).abs() < 1e-9, "{}", c.time);

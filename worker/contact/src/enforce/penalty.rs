@@ -17,12 +17,13 @@
 //!
 //! **Begin and end of a contact.** Forces act at the ends of steps. In the step in which a spring
 //! gets its first compression, its full force takes up to `1/8 k (v dt)^2` too much energy; in the
-//! step after which it is free, the full force gives too much. Between two steps with the
-//! compressions d and d' central differences keep `1/2 m u^2 + 1/2 k d d'`, where u is the mid-step
-//! velocity. Therefore the impulse J of the first step takes exactly `1/2 k d d'` from the kinetic
-//! energy: `J (v + u)/2 = 1/2 k d (d + u dt)` with the speeds of approach v before and u after it.
-//! The impulse of the last step returns this amount. Both are less than `k d dt`. An undamped pair
-//! then keeps its energy to round-off.
+//! step after which it is free, the full force gives too much. Between two times with the
+//! compressions d and d' central differences keep `1/2 m u^2 + 1/2 k d d'`, where u is the velocity
+//! between them. Therefore the first impulse J of a spring takes exactly `1/2 k d d'` from the
+//! kinetic energy: `J (v + u)/2 = 1/2 k d (d + u dt)` with the speeds of approach v before and u
+//! after it. The last impulse returns `1/2 k d d'` of the step before. Both are less than `k d dt`.
+//! A single undamped pair without friction then keeps its energy to round-off, at constant steps,
+//! masses and stiffness; others do so approximately.
 //!
 //! **Friction** acts from the first force of a contact on: its spring is stretched by the
 //! distance slid since the contact began within the step before. Without that a body that
@@ -190,7 +191,7 @@ impl ContactLaw for Penalty {
             return None; // both sides are fixed
         }
         let opening = velocity.dot(&pair.normal);
-        let share = fraction_of_step(pair, k, opening, steps);
+        let share = share_of_impulse(pair, k, opening, steps);
         let damper = 2.0 * self.damping * (k / c).sqrt() * share;
         let spring = (-k * pair.gap).max(0.0) * share;
         let damped = (spring - damper * opening) / (1.0 + damper * c * steps.dt_damped);
@@ -222,35 +223,32 @@ impl ContactLaw for Penalty {
     }
 }
 
-/// Returns the fraction of a spring's full impulse with which energy is kept where the contact
-/// begins or ends, else 1 (see the head of the file). `opening` is the relative velocity along the
-/// normal at the next mid-step without the force of the spring, which has the stiffness `k`.
-fn fraction_of_step(pair: &Pair, k: f64, opening: f64, steps: StepSizes) -> f64 {
+/// Returns the share of a spring's full impulse that keeps energy where the contact begins or ends,
+/// else 1 (see the head of the file, with `dt_damped` for the impulse). `opening` is the relative
+/// velocity along the normal at the next mid-step without the force of the spring, which has the
+/// stiffness `k`.
+fn share_of_impulse(pair: &Pair, k: f64, opening: f64, steps: StepSizes) -> f64 {
     let depth = -pair.gap;
     let whole = k * depth * steps.dt_damped;
     if whole <= 0.0 {
         return 1.0;
     }
-    let (before, dt) = (pair.opening_before, steps.dt);
+    let (before, dt, c) = (pair.opening_before, steps.dt, pair.compliance[0]);
     let depth_before = depth + before * steps.dt_before();
-    let c = pair.compliance[0];
     let leaves = depth < (opening + c * whole) * dt;
-    let impulse = match (depth_before < 0.0, leaves) {
-        // Root of `c J^2 - b J + e = 0`.
-        (true, false) => {
-            let b = c * whole - opening - before;
-            let e = k * depth * (depth - opening * dt);
-            2.0 * e / (b + (b * b - 4.0 * c * e).max(0.0).sqrt())
-        }
-        // Root of `c J^2 + b J - e = 0`.
-        (false, true) => {
-            let b = opening + before;
-            let e = k * depth * depth_before;
-            2.0 * e / (b + (b * b + 4.0 * c * e).sqrt())
-        }
-        // It is the same with neither. A pair that touches for less than a step has a spring that
-        // is too stiff for the step.
-        _ => whole,
+    let impulse = if leaves {
+        // The larger root of `c J^2 + b J = e`. Nothing is stored in a spring that gets its first
+        // compression in the same step: the pair returns its kinetic energy.
+        let (b, e) = (opening + before, k * depth * depth_before.max(0.0));
+        let root = (b * b + 4.0 * c * e).sqrt();
+        if b > 0.0 { 2.0 * e / (b + root) } else { 0.5 * (root - b) / c }
+    } else if depth_before < 0.0 {
+        // The smaller root of `c J^2 - b J + e = 0`.
+        let (b, e) = (c * whole - opening - before, k * depth * (depth - opening * dt));
+        let root = (b * b - 4.0 * c * e).max(0.0).sqrt();
+        if b > 0.0 { 2.0 * e / (b + root) } else { whole }
+    } else {
+        whole
     };
     (impulse / whole).clamp(0.0, 1.0)
 }

@@ -187,7 +187,7 @@ impl Rate {
     }
 
     /// Returns the strain rate of a unit of strain in the step `dt` [time], over the rate of the
-    /// law. Compute it once for all points.
+    /// law. Laws with many points compute it once for all.
     fn of_unit_strain(&self, dt: f64) -> f64 {
         match self {
             Rate::None => 0.0,
