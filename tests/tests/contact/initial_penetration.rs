@@ -150,11 +150,11 @@ fn work_at_starting_penetrations_is_booked_apart() {
     }
 }
 
-/// Undamped springs that are too stiff for the step make bars rebound with more energy than they
-/// had: from 1 % on the run warns, at 10 % it ends.
+/// Undamped springs that are too stiff for the step give energy to bars, from a scale of 1.72 on:
+/// from 1 % on the run warns, at 10 % it ends.
 #[test]
 fn a_contact_that_creates_energy_is_warned_of_and_ends_the_run() {
-    let bars = |scale: f64| {
+    let bars = |scale: f64, more: &[&str]| {
         let sets = [
             "law=penalty",
             "penalty_cap=false",
@@ -163,19 +163,20 @@ fn a_contact_that_creates_energy_is_warned_of_and_ends_the_run() {
         ];
         let sets = sets.map(|set| format!("contact.{set}"));
         let set = sets.iter().flat_map(|set| ["--set", set]);
-        run(crumple_with(&["run", "cases/bars"].into_iter().chain(set).collect::<Vec<_>>()))
+        let all = ["run", "cases/bars"].into_iter().chain(set).chain(more.iter().copied());
+        run(crumple_with(&all.collect::<Vec<_>>()))
     };
     let created = |ended: &Ended| ended.summary()["energy"]["contact_created"].as_f64().unwrap();
     let warned_of_energy = |ended: &Ended| ended.said().contains("contact has created");
-    let stable = bars(1.5).with_code(0);
+    let stable = bars(1.5, &[]).with_code(0);
     assert!(created(&stable) < 0.01 && !warned_of_energy(&stable), "{}", created(&stable));
-    let warned = bars(1.7).with_code(0);
+    let warned = bars(1.8, &["--end-time", "0.025"]).with_code(0);
     assert!(
         (0.01..0.1).contains(&created(&warned)) && warned_of_energy(&warned),
         "{}",
         created(&warned)
     );
-    let stopped = bars(3.0).with_code(3);
+    let stopped = bars(1.8, &[]).with_code(3);
     assert!(created(&stopped) > 0.1 && warned_of_energy(&stopped), "{}", created(&stopped));
     let reason = stopped.summary()["reason"].as_str().unwrap().to_string();
     assert!(reason.contains("contact has created"), "{reason}");
