@@ -7,8 +7,11 @@ use crate::contact::surroundings::{NodalForces, VelocityConstraint};
 use crate::math::row::{Row, V3};
 use crate::nodes::Nodes;
 use crate::parallel::pair_exchange::PairExchange;
+use crate::parallel::replicated_pairs::ReplicatedPairs;
 use crate::time::StepSizes;
-use crumple_proto::transport::{MaxReduction, RankLost, Tag, Transport, sum_all};
+use crumple_proto::transport::{
+    MaxReduction, RankLost, Tag, Transport, max_among, sum_all, sum_among,
+};
 
 /// Constraints and other workers during the contact iteration of a step.
 pub struct ContactCoupling<'a> {
@@ -18,6 +21,8 @@ pub struct ContactCoupling<'a> {
     pub constraints: &'a mut Constraints,
     /// Pairs that other workers know.
     pub pair_exchange: &'a mut PairExchange,
+    /// Pairs whose forces several workers compute.
+    pub replicated: &'a ReplicatedPairs,
 }
 
 impl VelocityConstraint for ContactCoupling<'_> {
@@ -58,6 +63,14 @@ impl VelocityConstraint for ContactCoupling<'_> {
 }
 
 impl Peers for ContactCoupling<'_> {
+    fn known_pairs(&self) -> Option<u64> {
+        self.replicated.total()
+    }
+
+    fn takes_part(&self) -> bool {
+        self.replicated.takes_part(self.comm.rank() - 1)
+    }
+
     fn has_shared_pairs(&self) -> bool {
         self.pair_exchange.has_shared_pairs()
     }
@@ -93,12 +106,18 @@ impl Peers for ContactCoupling<'_> {
     }
 
     fn max(&mut self, value: f64) -> Result<f64, RankLost> {
+        if let Some(members) = self.replicated.members() {
+            return max_among(self.comm, Tag::Settled, members, value);
+        }
         let mut reduction = MaxReduction::new(1, Tag::Settled);
         reduction.begin(self.comm, &[value])?;
         Ok(reduction.finish(self.comm)?[0])
     }
 
     fn sum(&mut self, values: &mut [i64]) -> Result<(), RankLost> {
-        sum_all(self.comm, Tag::Settled, values)
+        match self.replicated.members() {
+            Some(members) => sum_among(self.comm, Tag::Settled, members, values),
+            None => sum_all(self.comm, Tag::Settled, values),
+        }
     }
 }

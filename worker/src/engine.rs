@@ -25,6 +25,7 @@ use crate::parallel::pair_exchange::PairExchange;
 use crate::parallel::partition::{Cuts, LocalMesh, PartitionData, build_local_mesh};
 use crate::parallel::reduction::StepReduction;
 pub use crate::parallel::reduction::{StepConsensus, StepFailure};
+use crate::parallel::replicated_pairs::ReplicatedPairs;
 use crate::parallel::surface_update::{Failures, update};
 use crate::time::Clock;
 use crate::timer::Timer;
@@ -64,6 +65,8 @@ pub struct Engine {
     pub contact: Option<Contact>,
     /// Contact pairs that other workers know.
     pub pair_exchange: PairExchange,
+    /// Contact pairs of other workers whose forces this worker computes too.
+    pub replicated_pairs: ReplicatedPairs,
     /// Loads.
     pub loads: Loads,
     /// Airbags.
@@ -130,6 +133,7 @@ impl Engine {
             particles: Particles::new(&settings),
             contact: settings.contact.as_ref().map(|c| Contact::new(c, &elasticity(&settings))),
             pair_exchange: PairExchange::default(),
+            replicated_pairs: ReplicatedPairs::default(),
             motion: MotionTracker::since(&[]),
             ledger: Ledger::default(),
             histories: Histories::default(),
@@ -212,6 +216,13 @@ impl Engine {
             classes: self.classes,
             memories: Memories::default(),
         }
+    }
+
+    /// Returns true if each worker computes the forces of all pairs in this step. The rigid bodies
+    /// of nodes that a worker does not have are not known to it.
+    pub fn replicates_pairs(&self) -> bool {
+        self.settings.rigid.is_empty()
+            && self.contact.as_ref().is_some_and(Contact::replicates_pairs)
     }
 
     /// Records the numbers of elements by class, if a recorder is on.

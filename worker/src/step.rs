@@ -314,8 +314,14 @@ fn exchange_pairs(
     comm: &mut dyn Transport,
     _: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { nodes, halo, contact, pair_exchange, .. } = engine;
+    let replicates = comm.size() > 2 && engine.replicates_pairs();
+    let Engine { nodes, halo, contact, pair_exchange, replicated_pairs, agreement, .. } = engine;
     let Some(contact) = contact else { return Ok(()) };
+    if replicates {
+        pair_exchange.clear();
+        replicated_pairs.gather(comm, nodes, &mut contact.table, |n| halo.users_of(n))?;
+        return agreement.complete(comm);
+    }
     pair_exchange.exchange_pairs(comm, nodes, halo, &mut contact.table)
 }
 
@@ -325,10 +331,13 @@ fn enforce_contact(
     comm: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { nodes, contact, constraints, pair_exchange, .. } = engine;
+    let Engine { nodes, contact, constraints, pair_exchange, replicated_pairs, .. } = engine;
     let Some(contact) = contact else { return Ok(()) };
-    let mut around = ContactCoupling { comm, constraints, pair_exchange };
-    contact.enforce(nodes, &mut around, cycle.steps)
+    let mut around =
+        ContactCoupling { comm, constraints, pair_exchange, replicated: replicated_pairs };
+    contact.enforce(nodes, &mut around, cycle.steps)?;
+    replicated_pairs.remove(nodes, &mut contact.table);
+    Ok(())
 }
 
 /// Lets constraints react to contact, in the order that [`Constraints`] states.

@@ -119,6 +119,19 @@ pub fn gather_all<T: Pod>(comm: &mut dyn Transport, mine: Vec<T>) -> Result<Vec<
     Ok(held)
 }
 
+/// Returns the numbers of messages and words that worker `me` (0-based) sends in [`gather_all`],
+/// if the items of each worker have these numbers of words.
+pub fn traffic_of_gather(me: usize, words: &[usize]) -> [usize; 2] {
+    let (workers, mut held, mut sent) = (words.len(), 1, [0; 2]);
+    while held < workers {
+        let lists = held.min(workers - held);
+        let of_lists = (0..lists).map(|i| 1 + words[(me + i) % workers]);
+        sent = [sent[0] + 1, sent[1] + of_lists.sum::<usize>()];
+        held += lists;
+    }
+    sent
+}
+
 /// Maximum over all workers that begins early and finishes late, so that it overlaps
 /// computation. It uses dissemination (Hensgen, Finkel & Manber 1988): ceil(log2 P) rounds, in
 /// which a value may count twice.
@@ -127,13 +140,15 @@ pub struct MaxReduction {
     tag: Tag,
     values: Vec<f64>,
     buffer: Vec<u64>,
+    /// True if all rounds are over.
+    is_complete: bool,
 }
 
 impl MaxReduction {
     /// Builds a reduction of `width` numbers. No other exchange with this tag may be in
     /// progress at the same time.
     pub fn new(width: usize, tag: Tag) -> Self {
-        Self { tag, values: vec![f64::NEG_INFINITY; width], buffer: Vec::new() }
+        Self { tag, values: vec![f64::NEG_INFINITY; width], buffer: Vec::new(), is_complete: true }
     }
 
     /// Returns the number of rounds for `workers` workers; each worker sends one message per
@@ -148,6 +163,7 @@ impl MaxReduction {
     /// A worker is gone.
     pub fn begin(&mut self, comm: &mut dyn Transport, values: &[f64]) -> Result<(), RankLost> {
         self.values.copy_from_slice(values);
+        self.is_complete = false;
         if comm.size() > 2 { self.send(comm, 1) } else { Ok(()) }
     }
 
@@ -156,6 +172,19 @@ impl MaxReduction {
     /// # Errors
     /// A worker is gone.
     pub fn finish(&mut self, comm: &mut dyn Transport) -> Result<&[f64], RankLost> {
+        self.complete(comm)?;
+        Ok(&self.values)
+    }
+
+    /// Completes the rounds. [`Self::finish`] then does not wait for other workers, and they do not
+    /// wait for this one.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn complete(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        if std::mem::replace(&mut self.is_complete, true) {
+            return Ok(());
+        }
         let (workers, me) = (comm.size() - 1, comm.rank() - 1);
         let mut hop = 1;
         while hop < workers {
@@ -168,7 +197,7 @@ impl MaxReduction {
             }
             hop *= 2;
         }
-        Ok(&self.values)
+        Ok(())
     }
 
     fn send(&self, comm: &mut dyn Transport, hop: usize) -> Result<(), RankLost> {
@@ -191,29 +220,74 @@ pub fn messages_of_sum(me: usize, workers: usize) -> usize {
 }
 
 /// Adds the integers of all workers, element by element; `values` contains the sums on every
-/// worker afterwards. The sums go up a binomial tree and down again: twice ceil(log2 P) rounds.
-/// Sums wrap around. No other exchange with this tag may be in progress.
+/// worker afterwards. Sums wrap around. No other exchange with this tag may be in progress.
 ///
 /// # Errors
 /// A worker is gone.
 pub fn sum_all(comm: &mut dyn Transport, tag: Tag, values: &mut [i64]) -> Result<(), RankLost> {
-    let (workers, me) = (comm.size() - 1, comm.rank() - 1);
+    let members: Vec<usize> = (0..comm.size() - 1).collect();
+    sum_among(comm, tag, &members, values)
+}
+
+/// Adds integers as [`sum_all`], among the workers `members` (0-based, ascending). Only they call
+/// it.
+///
+/// # Errors
+/// A worker is gone.
+pub fn sum_among(
+    comm: &mut dyn Transport,
+    tag: Tag,
+    members: &[usize],
+    values: &mut [i64],
+) -> Result<(), RankLost> {
+    combine(comm, tag, members, bytemuck::cast_slice_mut(values), u64::wrapping_add)
+}
+
+/// Returns the maximum of a number among the workers `members` (0-based, ascending). Only they call
+/// it. No other exchange with this tag may be in progress.
+///
+/// # Errors
+/// A worker is gone.
+pub fn max_among(
+    comm: &mut dyn Transport,
+    tag: Tag,
+    members: &[usize],
+    value: f64,
+) -> Result<f64, RankLost> {
+    let mut words = [value.to_bits()];
+    let larger = |a, b| f64::from_bits(a).max(f64::from_bits(b)).to_bits();
+    combine(comm, tag, members, &mut words, larger)?;
+    Ok(f64::from_bits(words[0]))
+}
+
+/// Combines the words of the workers `members` one by one. They go up a binomial tree and down
+/// again: twice ceil(log2 P) rounds.
+fn combine(
+    comm: &mut dyn Transport,
+    tag: Tag,
+    members: &[usize],
+    values: &mut [u64],
+    with: impl Fn(u64, u64) -> u64,
+) -> Result<(), RankLost> {
+    let (count, worker) = (members.len(), comm.rank() - 1);
+    let me = members.binary_search(&worker).expect("only members take part");
+    let rank = |place: usize| members[place] + 1;
     let mut buffer = Vec::new();
-    let up = rounds_of_sum(me, workers);
+    let up = rounds_of_sum(me, count);
     for bit in &up {
         if me & bit != 0 {
-            comm.send(me - bit + 1, tag, bytemuck::cast_slice(values))?;
-        } else if me + bit < workers {
-            comm.recv(me + bit + 1, tag, &mut buffer)?;
-            values.iter_mut().zip(&buffer).for_each(|(v, &o)| *v = v.wrapping_add(o as i64));
+            comm.send(rank(me - bit), tag, values)?;
+        } else if me + bit < count {
+            comm.recv(rank(me + bit), tag, &mut buffer)?;
+            values.iter_mut().zip(&buffer).for_each(|(v, &o)| *v = with(*v, o));
         }
     }
     for bit in up.iter().rev() {
         if me & bit != 0 {
-            comm.recv(me - bit + 1, tag, &mut buffer)?;
-            values.copy_from_slice(bytemuck::cast_slice(&buffer));
-        } else if me + bit < workers {
-            comm.send(me + bit + 1, tag, bytemuck::cast_slice(values))?;
+            comm.recv(rank(me - bit), tag, &mut buffer)?;
+            values.copy_from_slice(&buffer);
+        } else if me + bit < count {
+            comm.send(rank(me + bit), tag, values)?;
         }
     }
     Ok(())

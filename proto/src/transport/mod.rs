@@ -14,7 +14,8 @@ pub mod threads;
 mod wait;
 
 pub use collective::{
-    MaxReduction, exchange_all, exchange_with, gather_all, messages_of_sum, sum_all,
+    MaxReduction, exchange_all, exchange_with, gather_all, max_among, messages_of_sum, sum_all,
+    sum_among, traffic_of_gather,
 };
 pub use mailbox::{Mailbox, words_of};
 use std::time::Duration;

@@ -85,8 +85,9 @@ impl Acceleration {
         let mut switched = ExactSum::ZERO;
         if let Some((residuals_before, ends_before, _)) = &self.last {
             let both = own.iter().zip(&ends).zip(ends_before);
-            let switch =
-                both.filter(|((p, end), before)| is_pressed(p, end) != is_pressed(p, before));
+            let switch = both.filter(|((p, end), before)| {
+                !p.is_replica && is_pressed(p, end) != is_pressed(p, before)
+            });
             switch.for_each(|((p, end), before)| {
                 switched.add(weighted(p, &(end - before), &(end - before)))
             });
@@ -185,7 +186,8 @@ fn minus(a: &[V3], b: &[V3]) -> Forces {
 /// Returns the product of two sets of forces, weighted by the compliance of each pair.
 fn product(own: &[&Pair], a: &[V3], b: &[V3]) -> ExactSum {
     let mut sum = ExactSum::ZERO;
-    for ((p, a), b) in own.iter().zip(a).zip(b) {
+    // The owner of a replicated pair counts it.
+    for ((p, a), b) in own.iter().zip(a).zip(b).filter(|((p, _), _)| !p.is_replica) {
         sum.add(weighted(p, a, b));
     }
     sum

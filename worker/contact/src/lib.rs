@@ -262,6 +262,12 @@ impl Contact {
         self.accelerated > 0 && self.laws().converge()
     }
 
+    /// Returns true if the step before had so few pairs on all workers that each worker computes
+    /// the forces of all of them.
+    pub fn replicates_pairs(&self) -> bool {
+        self.accelerates() && !LawSets::is_dense(self.pairs)
+    }
+
     /// Updates the candidates if the motion of nodes may have used up the skin of the search,
     /// and the near list if the motion may have used up its own skin. Also computes
     /// [`Self::approach`]. `dt` is the step size and `stable` the stable step of the elements

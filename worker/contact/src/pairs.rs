@@ -130,6 +130,60 @@ impl PairTable {
         }
     }
 
+    /// Returns the group of each pair: pairs that are connected by nodes, directly or through
+    /// other pairs. It is the index of the first pair of the group. [`Self::index_by_node`] must
+    /// come before.
+    pub fn connected_groups(&self) -> Vec<u32> {
+        let root = |group: &[u32], mut i: u32| {
+            while group[i as usize] != i {
+                i = group[i as usize];
+            }
+            i
+        };
+        let mut group: Vec<u32> = (0..self.pairs.len() as u32).collect();
+        for t in 0..self.touched.len() {
+            for two in self.roles_at(t).windows(2) {
+                let [a, b] = [0, 1].map(|i| root(&group, two[i].0));
+                let first = a.min(b);
+                for i in [a, b, two[0].0, two[1].0] {
+                    group[i as usize] = first;
+                }
+            }
+        }
+        (0..group.len() as u32).map(|i| root(&group, i)).collect()
+    }
+
+    /// Removes the replicas that have no effect on own pairs and on the first `local` nodes, not
+    /// even through other pairs. [`Self::index_by_node`] must come before and after.
+    pub fn keep_coupled(&mut self, local: u32) {
+        let group = self.connected_groups();
+        let mut is_needed = vec![false; group.len()];
+        for (pair, &group) in self.pairs.iter().zip(&group) {
+            is_needed[group as usize] |= !pair.is_replica || pair.local_nodes().any(|n| n < local);
+        }
+        let mut groups = group.into_iter();
+        self.pairs.retain(|_| groups.next().is_some_and(|group| is_needed[group as usize]));
+    }
+
+    /// Keeps the replicas that touch a node with an index below `held`, as copies of the pairs of
+    /// their owners, and removes the others. Forces on nodes stay as they are.
+    pub fn remove_replicas(&mut self, held: u32) {
+        let kept = self.touched.partition_point(|&n| n < held);
+        let (total, couples) = (std::mem::take(&mut self.total), std::mem::take(&mut self.couples));
+        self.pairs.retain(|p| !p.is_replica || p.local_nodes().any(|n| n < held));
+        for pair in self.pairs.iter_mut().filter(|p| p.is_replica) {
+            (pair.is_owned, pair.is_replica) = (false, false);
+            pair.shape = [0.0; MAX_PAIR_NODES];
+            pair.nodes.iter_mut().filter(|n| **n >= held).for_each(|n| *n = NOT_LOCAL);
+        }
+        self.index_by_node();
+        debug_assert_eq!(self.touched.len(), kept, "all pairs of these nodes are kept");
+        self.total.copy_from_slice(&total[..kept]);
+        if !self.couples.is_empty() {
+            self.couples.copy_from_slice(&couples[..kept]);
+        }
+    }
+
     /// Divides the forces of own pairs among the nodes of their segments by mass, Wang et al.
     /// (2007), eq. 7 and 11: m_k / M2 = M_k N_k / sum_j M_j N_j. Edges and segments keep their
     /// shape values. It must be called before the pairs are sent to other workers.

@@ -90,8 +90,13 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     pub fn run(&mut self, t: &mut PairTable) -> Result<SolverOutcome, RankLost> {
         let touches = !t.pairs.is_empty() || self.coupled;
         let mut swept = if touches { self.run_plain_sweeps(t)? } else { SolverOutcome::default() };
+        if let Some(pairs) = self.around.known_pairs()
+            && !self.around.takes_part()
+        {
+            return Ok(SolverOutcome { pairs, ..swept });
+        }
         if self.accelerated > 0 {
-            let own = t.pairs.iter().filter(|p| p.is_owned).count();
+            let own = t.pairs.iter().filter(|p| p.is_owned && !p.is_replica).count();
             let mut counts = [i64::from(swept.unsettled), own as i64];
             self.around.sum(&mut counts)?;
             swept.unsettled = counts[0] > 0;

@@ -53,6 +53,14 @@ impl VelocityConstraint for Free {
 }
 
 impl Peers for Free {
+    fn known_pairs(&self) -> Option<u64> {
+        None
+    }
+
+    fn takes_part(&self) -> bool {
+        true
+    }
+
     fn has_shared_pairs(&self) -> bool {
         false
     }

@@ -86,6 +86,22 @@ pub struct Nodes {
     pub inv_inertia: Vec<Row>,
 }
 
+/// Data of a node on which the forces of contact pairs depend.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ContactNode {
+    /// The node.
+    pub id: NodeId,
+    /// Coordinates [length].
+    pub x: [f64; 3],
+    /// Velocity at the last mid-step, and at the next one without contact [length/time].
+    pub v: [[f64; 3]; 2],
+    /// Rotational velocity at the next mid-step without contact [1/time].
+    pub w_next: [f64; 3],
+    /// Inverse mass and inverse rotational inertia per component, as in [`Nodes`].
+    pub inverse: [[f64; 3]; 2],
+}
+
 impl Nodes {
     /// Creates the local nodes of worker `me` from records in ascending id. All are owned by `me`
     /// until it is known which other workers share them.
@@ -118,6 +134,31 @@ impl Nodes {
         self.invert_mass(self.id.len() - 1);
     }
 
+    /// Returns the data of node `i` on which contact forces depend; zero for properties that it
+    /// does not have.
+    pub fn contact_node(&self, i: usize) -> ContactNode {
+        let turning = |rows: &[Row]| rows.get(i).map_or([0.0; 3], xyz);
+        ContactNode {
+            id: self.id[i],
+            x: xyz(&self.x[i]),
+            v: [xyz(&self.v[i]), xyz(&self.v_next[i])],
+            w_next: turning(&self.w_next),
+            inverse: [xyz(&self.inv_mass[i]), turning(&self.inv_inertia)],
+        }
+    }
+
+    /// Appends a node of other workers that only contact forces use.
+    pub fn push_contact_node(&mut self, node: &ContactNode) {
+        let [v, v_next] = node.v;
+        let record = NodeRecord { id: node.id, x: node.x, v, ..NodeRecord::default() };
+        self.push(&record, u32::MAX);
+        let i = self.len() - 1;
+        (self.v_next[i], self.inv_mass[i]) = (row(v_next), row(node.inverse[0]));
+        if self.rotations {
+            (self.w_next[i], self.inv_inertia[i]) = (row(node.w_next), row(node.inverse[1]));
+        }
+    }
+
     /// Adds ghost nodes, given with their owners, which this worker does not have yet. Returns the
     /// new index of each ghost that it had, in ascending order of ids.
     pub fn add_ghosts(&mut self, added: impl IntoIterator<Item = (NodeRecord, u32)>) -> Vec<u32> {
@@ -131,7 +172,12 @@ impl Nodes {
     }
 
     fn remove_ghosts(&mut self) {
-        let local = self.local_count;
+        self.truncate(self.local_count);
+    }
+
+    /// Keeps the first `count` nodes, at least all local ones.
+    pub fn truncate(&mut self, count: usize) {
+        let local = count.max(self.local_count);
         self.id.truncate(local);
         self.owner.truncate(local);
         self.fixed.truncate(local);
@@ -361,8 +407,14 @@ impl Nodes {
     /// Returns the index of a local or ghost node.
     #[inline]
     pub fn index_of(&self, id: NodeId) -> Option<u32> {
+        self.index_among(id, self.len())
+    }
+
+    /// Returns the index of a node among the first `count`, local nodes and ghosts.
+    #[inline]
+    pub fn index_among(&self, id: NodeId, count: usize) -> Option<u32> {
         let exterior = || {
-            self.id[self.local_count..]
+            self.id[self.local_count..count]
                 .binary_search(&id)
                 .ok()
                 .map(|i| (self.local_count + i) as u32)

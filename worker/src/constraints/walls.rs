@@ -454,6 +454,16 @@ impl Wall {
         self.job.allows(node)
     }
 
+    /// Returns true if node `i` does not meet the wall. Nodes of replicated pairs come after those
+    /// that `meets` knows.
+    #[inline]
+    fn excludes(&self, nodes: &Nodes, i: usize) -> bool {
+        match self.meets.get(i) {
+            Some(&met) => !met,
+            None => !self.meets.is_empty() && !self.job.allows(nodes.id[i]),
+        }
+    }
+
     /// Returns true if a node at `x` with velocity `v` stays clear of the wall in the step, as
     /// most nodes do.
     #[inline(always)]
@@ -466,7 +476,7 @@ impl Wall {
     /// the change by friction [length/time].
     #[inline]
     fn changes(&self, nodes: &Nodes, i: usize, v: &Row, dt: f64) -> Option<[V3; 2]> {
-        if self.meets.get(i) == Some(&false) || self.misses(&nodes.x[i], v, dt) {
+        if self.excludes(nodes, i) || self.misses(&nodes.x[i], v, dt) {
             return None;
         }
         let (x, v) = (V3::from(xyz(&nodes.x[i])), V3::from(xyz(v)));

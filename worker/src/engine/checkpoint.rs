@@ -20,6 +20,7 @@ use crate::parallel::migrate::{distribute, pack_all};
 use crate::parallel::pair_exchange::PairExchange;
 use crate::parallel::partition::{Cuts, PartitionData, build_local_mesh};
 use crate::parallel::reduction::StepReduction;
+use crate::parallel::replicated_pairs::ReplicatedPairs;
 use crate::time::Clock;
 use crate::timer::Timer;
 use crumple_proto::airbag::ResolvedAirbag;
@@ -179,6 +180,7 @@ impl Engine {
             halo: _,
             particles: _,
             pair_exchange: _,
+            replicated_pairs: _,
             loads: _,
             motion: _,
             centre: _,
@@ -271,6 +273,7 @@ impl Engine {
             particles: Particles::new(&settings),
             contact: contact.map(|c| Contact::new(c, &super::elasticity(&settings))),
             pair_exchange: PairExchange::default(),
+            replicated_pairs: ReplicatedPairs::default(),
             motion: MotionTracker::since(&[]),
             ledger: own.ledger,
             histories,

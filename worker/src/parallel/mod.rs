@@ -13,5 +13,6 @@ pub mod pair_exchange;
 pub mod particles;
 pub mod partition;
 pub mod reduction;
+pub mod replicated_pairs;
 pub mod surface_update;
 pub mod volumes;

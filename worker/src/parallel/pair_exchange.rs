@@ -61,7 +61,7 @@ impl PairExchange {
                 .map(|i| i as u32)
                 .collect();
             for &i in &sent {
-                write(&mut self.mail, &table.pairs[i as usize], nodes);
+                write_pair(&mut self.mail, &table.pairs[i as usize], nodes);
             }
             self.mail.send(comm, link.worker, Tag::Pairs)?;
             self.shared.push(SharedPairs { worker: link.worker, sent, received: Vec::new() });
@@ -71,11 +71,8 @@ impl PairExchange {
             self.mail.receive(comm, with.worker, Tag::Pairs)?;
             let first = table.pairs.len() as u32;
             while !self.mail.is_read() {
-                let mut pair = read(&mut self.mail, nodes);
-                if table.by_area && !pair.key.is_segment() {
-                    pair.area = pair.contact_thickness * pair.contact_thickness;
-                }
-                table.pairs.push(pair);
+                let index = |id: NodeId| nodes.index_of(id).unwrap_or(NOT_LOCAL);
+                table.pairs.push(read_pair(&mut self.mail, index, table.by_area));
             }
             with.received.extend(first..table.pairs.len() as u32);
         }
@@ -91,6 +88,11 @@ impl PairExchange {
         self.convergence.start(comm.rank() - 1, self.shared.iter().map(|with| with.worker));
         table.index_by_node();
         Ok(())
+    }
+
+    /// Forgets the shared pairs of the last step: in this step no worker needs forces of others.
+    pub fn clear(&mut self) {
+        self.shared.clear();
     }
 
     /// Returns true if other workers know some of these pairs.
@@ -247,8 +249,9 @@ struct PackedPair {
 }
 /// Number of roles of a pair in [`PackedPair`]. The other roles of two segments follow in
 /// [`PackedRest`].
-const FIRST: usize = 5;
-const REST: usize = MAX_PAIR_NODES - FIRST;
+pub const FIRST: usize = 5;
+/// Number of the other roles.
+pub const REST: usize = MAX_PAIR_NODES - FIRST;
 
 /// Additional data that is sent for a pair of two segments.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -275,7 +278,7 @@ pub fn message_words(pair: &Pair) -> usize {
 }
 
 /// Appends the data of a pair that other workers need.
-fn write(mail: &mut Mailbox, pair: &Pair, nodes: &Nodes) {
+pub fn write_pair(mail: &mut Mailbox, pair: &Pair, nodes: &Nodes) {
     let id = |n: u32| if n == NOT_LOCAL { NodeId(u64::MAX) } else { nodes.id[n as usize] };
     mail.push(PackedPair {
         key: pair.key,
@@ -305,9 +308,9 @@ fn write(mail: &mut Mailbox, pair: &Pair, nodes: &Nodes) {
     }
 }
 
-/// Reads the next pair of a message.
-fn read(mail: &mut Mailbox, nodes: &Nodes) -> Pair {
-    let local = |id: NodeId| nodes.index_of(id).unwrap_or(NOT_LOCAL);
+/// Reads the next pair of a message. `index` returns the index of a node, or [`NOT_LOCAL`].
+/// `by_area` is [`PairTable::by_area`].
+pub fn read_pair(mail: &mut Mailbox, index: impl Fn(NodeId) -> u32, by_area: bool) -> Pair {
     let first: PackedPair = mail.take();
     let mut pair = Pair {
         weight: padded(first.weight),
@@ -321,11 +324,14 @@ fn read(mail: &mut Mailbox, nodes: &Nodes) -> Pair {
         slave_sliding_mass: first.slave_mass,
         slave_is_fixed: first.flags & 1 != 0,
         interface: (first.flags >> 2) as u16,
-        ..Pair::new(first.key, first.segment, first.nodes.map(local))
+        ..Pair::new(first.key, first.segment, first.nodes.map(&index))
     };
+    if by_area && !pair.key.is_segment() {
+        pair.area = pair.contact_thickness * pair.contact_thickness;
+    }
     if pair.key.is_segment() {
         let rest: PackedRest = mail.take();
-        pair.nodes[FIRST..].copy_from_slice(&rest.nodes.map(local));
+        pair.nodes[FIRST..].copy_from_slice(&rest.nodes.map(&index));
         pair.weight[FIRST..].copy_from_slice(&rest.weight);
         pair.area = rest.area;
     }

@@ -180,6 +180,14 @@ impl StepReduction {
         self.reduction.begin(comm, &words)
     }
 
+    /// Completes the messages of the reduction. Workers with much contact then let no other wait.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub fn complete(&mut self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        self.reduction.complete(comm)
+    }
+
     /// Finishes the reduction and returns its result.
     ///
     /// # Errors

@@ -9,7 +9,7 @@
 
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::ids::ElemId;
-use crumple_proto::transport::{MaxReduction, messages_of_sum};
+use crumple_proto::transport::{MaxReduction, messages_of_sum, traffic_of_gather};
 use crumple_worker::constraints::rigid::{ACTING_WORDS, MET_WORDS};
 use crumple_worker::contact::Contact;
 use crumple_worker::contact::acceleration::words_of_sum;
@@ -27,6 +27,7 @@ use crumple_worker::parallel::ghosts;
 use crumple_worker::parallel::migrate::centre;
 use crumple_worker::parallel::pair_exchange::{self, TrafficEstimate};
 use crumple_worker::parallel::reduction;
+use crumple_worker::parallel::replicated_pairs::message_words;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Work and messages of one worker in a step.
@@ -83,6 +84,19 @@ pub struct Count {
     pub phase_messages: u64,
     /// Owned nodes of rigid bodies with forces.
     pub members: u64,
+    /// The exchange of pairs, if these are replicated.
+    pub replicated: Option<ReplicationCount>,
+    /// Pairs of other workers whose forces the worker computes too.
+    pub replicas: u64,
+}
+
+/// Messages of replicated pairs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReplicationCount {
+    /// Messages and words of the exchange of pairs.
+    pub exchange: [u64; 2],
+    /// Messages in a sum over the workers that compute forces; 0 for the others.
+    pub messages_of_sum: usize,
 }
 
 /// Distribution of elements and nodes over workers.
@@ -169,11 +183,52 @@ impl Census {
             partners.extend(others.iter().flat_map(|&w| [(owner, w), (w, owner)]));
             owners.push((owner, others));
         }
+        if engine.replicates_pairs() {
+            self.count_replicas(&contact.table, &owners);
+            return;
+        }
         partners.sort_unstable();
         partners.dedup();
         partners.iter().for_each(|p| self.counts[p.0 as usize].partners += 1);
         let phases = self.count_phases(&contact.table, &owners);
         self.count_quiet(&partners, &phases);
+    }
+
+    /// Counts the messages of replicated pairs, and the replicas. `owners` are the owner of each
+    /// pair and the other workers that know it.
+    fn count_replicas(&mut self, table: &PairTable, owners: &[(u32, Vec<u32>)]) {
+        let workers = self.counts.len();
+        let mut of_worker: Vec<(Vec<&Pair>, BTreeSet<u32>)> = vec![Default::default(); workers];
+        let mut groups: BTreeMap<u32, (Vec<u64>, BTreeSet<u32>)> = BTreeMap::new();
+        let mut members: BTreeSet<u32> = BTreeSet::new();
+        let pairs = table.pairs.iter().zip(owners).zip(table.connected_groups());
+        for ((pair, (owner, others)), group) in pairs {
+            let (own, users) = &mut of_worker[*owner as usize];
+            own.push(pair);
+            users.extend(others);
+            members.insert(*owner);
+            members.extend(others);
+            let (own, needed_by) =
+                groups.entry(group).or_insert_with(|| (vec![0; workers], BTreeSet::new()));
+            own[*owner as usize] += 1;
+            needed_by.insert(*owner);
+            needed_by.extend(pair.local_nodes().flat_map(|n| self.holders(n)).copied());
+        }
+        let words = of_worker.iter().map(|(own, users)| message_words(own, users.len()));
+        let words: Vec<usize> = words.collect();
+        for (w, count) in self.counts.iter_mut().enumerate() {
+            let place = members.iter().position(|&member| member as usize == w);
+            count.replicated = Some(ReplicationCount {
+                exchange: traffic_of_gather(w, &words).map(|n| n as u64),
+                messages_of_sum: place.map_or(0, |place| messages_of_sum(place, members.len())),
+            });
+        }
+        for (own, needed_by) in groups.values() {
+            let all: u64 = own.iter().sum();
+            for w in needed_by.iter().map(|&w| w as usize) {
+                self.counts[w].replicas += all - own[w];
+            }
+        }
     }
 
     /// Counts the messages of each phase of Gauss-Seidel sweeps. `owners` are the owner of each
@@ -469,10 +524,20 @@ impl Count {
         estimate: &TrafficEstimate,
     ) -> [f64; 2] {
         let [messages, bytes] = self.traffic(engine, workers);
-        let sums = estimate.accelerated_sweeps * messages_of_sum(self.worker, workers) as f64;
-        let largest = estimate.accelerated_sweeps * MaxReduction::hops(workers) as f64;
+        let sums = estimate.accelerated_sweeps * self.messages_of_sum(workers) as f64;
+        let largest = estimate.accelerated_sweeps
+            * match &self.replicated {
+                Some(count) => count.messages_of_sum as f64,
+                None => f64::from(MaxReduction::hops(workers)),
+            };
         let words = sums * words_of_sum() as f64 + largest;
         [messages + sums + largest, bytes + 8.0 * words]
+    }
+
+    /// Returns the number of messages that the worker sends in a sum of the contact iteration.
+    fn messages_of_sum(&self, workers: usize) -> usize {
+        let of_all = || messages_of_sum(self.worker, workers);
+        self.replicated.as_ref().map_or_else(of_all, |count| count.messages_of_sum)
     }
 
     /// Returns the numbers of messages and bytes that the worker sends in a step of a run on
@@ -489,15 +554,19 @@ impl Count {
             (self.corners * ghosts::element_force_words(engine.settings.rotations)) as f64;
         words += hops * reduction::WORDS as f64;
         if engine.contact.is_some() {
-            messages += (self.near_workers + self.meets) as f64;
+            let [exchanges, of_pairs] = match &self.replicated {
+                Some(count) => count.exchange,
+                None => [self.meets, self.copied_words],
+            };
+            messages += (self.near_workers + exchanges) as f64;
             let spins = engine.contact.as_ref().is_some_and(|c| c.has_couples(&engine.nodes));
             words += (self.near_workers * ghosts::RIGID_MOTION_WORDS as u64) as f64
-                + (self.exports * ghosts::ghost_words(spins)) as f64;
-            words += self.copied_words as f64;
+                + (self.exports * ghosts::ghost_words(spins)) as f64
+                + of_pairs as f64;
         }
         if engine.contact.as_ref().is_some_and(Contact::accelerates) {
             // Convergence of all sweeps, and number of pairs.
-            let sent = messages_of_sum(self.worker, workers) as f64;
+            let sent = self.messages_of_sum(workers) as f64;
             messages += sent;
             words += 2.0 * sent;
         }

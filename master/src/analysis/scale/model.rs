@@ -78,7 +78,8 @@ impl WorkerStep {
         let units = |n: u64| n as f64;
         let elements: f64 = k.element.iter().zip(&count.lanes).map(|(s, &n)| s * units(n)).sum();
         let local = k.local[0] * units(count.slaves) + k.local[1] * units(count.near);
-        let contact = k.contact[0] * units(count.slaves) + k.contact[1] * units(count.pairs);
+        let contact =
+            k.contact[0] * units(count.slaves) + k.contact[1] * units(count.pairs + count.replicas);
         let partners = exchange.filter(|_| count.partners > 0);
         let longer = partners.filter(|_| k.sweeps > 0.0).map_or(1.0, |e| e.sweeps / k.sweeps);
         let [mut messages, mut bytes] = traffic;

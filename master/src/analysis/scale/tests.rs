@@ -162,6 +162,7 @@ fn compare(model: &Model, cycles: u64) -> u64 {
                     // Known within a step only.
                     (counted.partners, counted.quiet) = (0, 0);
                     (counted.phases, counted.phase_messages) = (0, 0);
+                    (counted.replicated, counted.replicas) = (None, 0);
                     // Near lists of one worker and of several are made in different cycles: 4640
                     // and 4635 candidates were seen.
                     let near = [counted.near, seen.count.near].map(|n| n as f64);

@@ -221,7 +221,12 @@ impl LawSets {
 
     /// Returns the laws of a step, if the step before had this number of pairs on all workers.
     pub fn select(&self, pairs: u64) -> &Laws {
-        &self.0[usize::from(pairs >= DENSE)]
+        &self.0[usize::from(Self::is_dense(pairs))]
+    }
+
+    /// Returns true if contact with this number of pairs on all workers is dense.
+    pub fn is_dense(pairs: u64) -> bool {
+        pairs >= DENSE
     }
 }
 

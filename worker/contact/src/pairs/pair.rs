@@ -189,8 +189,10 @@ pub struct Pair {
     /// True if the slave's surface comes before the segment's surface, ordered by part and then
     /// by segment.
     pub slave_surface_first: bool,
-    /// True if this worker owns the pair.
+    /// True if this worker computes the force of the pair: it owns the pair, or has a replica.
     pub is_owned: bool,
+    /// True if the pair is a replica: another worker owns it, and this one computes its force too.
+    pub is_replica: bool,
 }
 
 /// Pairs that push back from the side of a given pair. Their slaves are nodes of the target of
@@ -263,6 +265,7 @@ impl Pair {
             stiffness: 0.0,
             slave_surface_first: false,
             is_owned: false,
+            is_replica: false,
         }
     }
 

@@ -8,6 +8,11 @@ use crumple_proto::transport::RankLost;
 
 /// The other workers. A pair is shared if several workers know it; its owner sends the new values.
 pub trait Peers {
+    /// Returns the number of pairs of all workers, if it is known before the sweeps. Then workers
+    /// without pairs need not take part in sums and maxima.
+    fn known_pairs(&self) -> Option<u64>;
+    /// Returns true if this worker takes part in sums and maxima.
+    fn takes_part(&self) -> bool;
     /// Returns true if some pairs are shared.
     fn has_shared_pairs(&self) -> bool;
     /// Exchanges the forces of shared pairs after a sweep. `changed` is true if the sweep has
@@ -50,12 +55,12 @@ pub trait Peers {
         phase: u32,
         received: &mut Vec<(u32, V3)>,
     ) -> Result<(), RankLost>;
-    /// Returns the maximum of a number over all workers.
+    /// Returns the maximum of a number over all workers that take part.
     ///
     /// # Errors
     /// A worker is gone.
     fn max(&mut self, value: f64) -> Result<f64, RankLost>;
-    /// Adds integers over all workers, one by one.
+    /// Adds integers over all workers that take part, one by one.
     ///
     /// # Errors
     /// A worker is gone.

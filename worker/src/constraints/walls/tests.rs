@@ -1,6 +1,7 @@
 //! Tests of single masses against walls of all shapes.
 
 use super::*;
+use crate::nodes::ContactNode;
 use crumple_proto::loads::{MotionForm, PrescribedMotion};
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::transport::threads;
@@ -429,4 +430,24 @@ fn the_fast_test_agrees_with_the_exact_one() {
         }
         assert!(met > 3000 && missed > 3000, "{form:?}: {met} {missed}");
     }
+}
+
+/// Nodes of replicated pairs come after the nodes for which walls know whether they meet them. A
+/// wall for some nodes stops those of them that are in its list.
+#[test]
+fn walls_for_some_nodes_stop_appended_nodes_in_their_list_only() {
+    let nodes_of_wall = Some(vec![NodeId(1), NodeId(8)]);
+    let job = ResolvedWall {
+        nodes: nodes_of_wall,
+        ..ResolvedWall::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0)
+    };
+    let mut walls = Walls::new(&[job], &[]);
+    let mut nodes = masses(&[([0.0; 3], [0.0, 0.0, -1.0], 1.0); 2]);
+    walls.bind_local(&nodes);
+    for id in [8, 9] {
+        nodes.push_contact_node(&ContactNode { id: NodeId(id), ..nodes.contact_node(0) });
+    }
+    walls.start_step(0.0, 0.1);
+    let stopped = |i| walls.stop(&nodes, i, [0.0, 0.0, -1.0, 0.0], 0.1)[2] == 0.0;
+    assert_eq!([0, 1, 2, 3].map(stopped), [true, false, true, false]);
 }
