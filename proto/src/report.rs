@@ -361,7 +361,7 @@ pub struct FinalReport {
     /// Number of contact sweeps.
     pub sweeps: u64,
     /// Number of steps with accelerated sweeps, and number of steps whose sweeps ended before
-    /// all forces reached the tolerance.
+    /// all forces reached the tolerance. Without nodes of pairs a worker may not know of them.
     pub unsettled: [u64; 2],
     /// Contact pairs with a penalty stiffness below the requested one, summed over cycles.
     pub capped: u64,

@@ -218,8 +218,9 @@ impl Engine {
         }
     }
 
-    /// Returns true if each worker computes the forces of all pairs in this step. The rigid bodies
-    /// of nodes that a worker does not have are not known to it.
+    /// Returns true if each worker computes the forces of all pairs that act on its nodes in this
+    /// step. Not in jobs with rigid bodies: a worker does not know the bodies of nodes that it does
+    /// not have.
     pub fn replicates_pairs(&self) -> bool {
         self.settings.rigid.is_empty()
             && self.contact.as_ref().is_some_and(Contact::replicates_pairs)

@@ -153,9 +153,10 @@ pub struct ContactSummary {
     pub searches: f64,
     /// Sweeps per cycle, mean over workers.
     pub sweeps_per_cycle: f64,
-    /// Number of steps with accelerated sweeps.
+    /// Number of steps with accelerated sweeps: the largest of any worker. Where pairs are few, a
+    /// worker counts the steps in which it has nodes of pairs.
     pub accelerated_steps: u64,
-    /// Number of steps that ended before the forces of all pairs had converged.
+    /// Number of steps that ended before the forces of all pairs had converged, counted alike.
     pub unsettled_steps: u64,
     /// Number of pairs with a penalty stiffness lowered for stability, mean over cycles.
     pub capped_per_cycle: f64,

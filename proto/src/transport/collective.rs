@@ -243,8 +243,8 @@ pub fn sum_among(
     combine(comm, tag, members, bytemuck::cast_slice_mut(values), u64::wrapping_add)
 }
 
-/// Returns the maximum of a number among the workers `members` (0-based, ascending). Only they call
-/// it. No other exchange with this tag may be in progress.
+/// Returns the maximum of a number, which is not NaN, among the workers `members` (0-based,
+/// ascending). Only they call it. No other exchange with this tag may be in progress.
 ///
 /// # Errors
 /// A worker is gone.
@@ -261,7 +261,8 @@ pub fn max_among(
 }
 
 /// Combines the words of the workers `members` one by one. They go up a binomial tree and down
-/// again: twice ceil(log2 P) rounds.
+/// again: twice ceil(log2 P) rounds. The order depends on the number of members, so `with` must be
+/// commutative and associative to the last bit.
 fn combine(
     comm: &mut dyn Transport,
     tag: Tag,
@@ -373,12 +374,58 @@ mod tests {
     }
 
     #[test]
+    fn the_traffic_of_a_gather_is_known() {
+        for workers in 1..=9 {
+            let words = |w: usize| 2 * (w % 3);
+            let all = on_all(workers, |end| {
+                let me = end.rank() - 1;
+                gather_all(end, vec![[me as u64, 7]; me % 3]).unwrap();
+                [end.traffic().messages, end.traffic().bytes / 8].map(|n| n as usize)
+            });
+            let lengths: Vec<usize> = (0..workers).map(words).collect();
+            for (me, sent) in all.into_iter().enumerate() {
+                assert_eq!(sent, traffic_of_gather(me, &lengths), "{me} of {workers}");
+            }
+        }
+    }
+
+    /// Every other worker takes part; the others send and receive nothing.
+    #[test]
+    fn members_get_their_sum_and_maximum() {
+        for workers in 1..=9 {
+            let all = on_all(workers, |end| {
+                let members: Vec<usize> = (0..end.size() - 1).step_by(2).collect();
+                let mut values = [end.rank() as i64, 1];
+                let mut largest = 0.0;
+                if members.contains(&(end.rank() - 1)) {
+                    sum_among(end, Tag::Settled, &members, &mut values).unwrap();
+                    let mine = -(end.rank() as f64);
+                    largest = max_among(end, Tag::Settled, &members, mine).unwrap();
+                }
+                (values, largest, end.traffic().messages as usize)
+            });
+            let members: Vec<usize> = (0..workers).step_by(2).collect();
+            let sum = members.iter().map(|m| *m as i64 + 1).sum();
+            for (w, (values, largest, messages)) in all.into_iter().enumerate() {
+                match members.binary_search(&w) {
+                    Ok(place) => {
+                        assert_eq!((values, largest), ([sum, members.len() as i64], -1.0));
+                        assert_eq!(messages, 2 * messages_of_sum(place, members.len()));
+                    }
+                    Err(_) => assert_eq!((values, messages), ([w as i64 + 1, 1], 0)),
+                }
+            }
+        }
+    }
+
+    #[test]
     fn every_worker_gets_the_maximum_for_any_number_of_workers() {
         for workers in 1..=7 {
             let all = on_all(workers, |end| {
                 let me = end.rank() as f64;
                 let mut max = MaxReduction::new(2, Tag::Maximum);
                 max.begin(end, &[me, -me]).unwrap();
+                max.complete(end).unwrap();
                 max.finish(end).unwrap().to_vec()
             });
             assert_eq!(all, vec![[workers as f64, -1.0]; workers]);

@@ -84,7 +84,7 @@ fn pressed_plates_with_other_meshes_come_to_rest() {
 /// Every law in every form gives the same bits on any number of workers, also with repartitions.
 #[test]
 fn every_law_gives_the_same_bits_on_any_number_of_workers() {
-    let forms: [&[&str]; 10] = [
+    let forms: [&[&str]; 13] = [
         &["contact.iteration=gauss_seidel"],
         &["contact.iteration=split"],
         &["contact.iteration=split", "contact.weighting=mass", "contact.friction=0.2"],
@@ -94,6 +94,9 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
         &["contact.law=penalty", "contact.penalty_form=stiffness"],
         &["contact.law=penalty", "contact.penalty_form=stiffness", "contact.penalty_scale=10"],
         &["contact.law=mortar", "contact.friction=0.2"],
+        &["contact.friction=0.3", "contact.friction_limit=0.01"],
+        &["contact.friction=0.3", "contact.friction_limit=0.01", "parallel.contact=\"rcb\""],
+        &["contact.interface=[{parts=[1, 5], law=\"kinematic\"}]", "contact.friction=0.2"],
         &["contact.law=mortar", "contact.penalty_form=stiffness"],
     ];
     // Contact begins before cycle 200; until cycle 600 there are some 3000 pairs.

@@ -141,7 +141,8 @@ pub struct Contact {
     /// Largest number of accelerated sweeps in a step.
     accelerated: usize,
     /// Number of steps so far with accelerated sweeps, and number of steps whose sweeps ended
-    /// before the forces of all pairs reached the required accuracy.
+    /// before the forces of all pairs reached the required accuracy. Steps in which the worker
+    /// takes no part in the sums of the sweeps do not count.
     pub unsettled: [u64; 2],
     /// Number of pairs with a stiffness lower than the job asks for, reduced for a stable step;
     /// summed over the steps so far.
@@ -263,7 +264,8 @@ impl Contact {
     }
 
     /// Returns true if the step before had so few pairs on all workers that each worker computes
-    /// the forces of all of them.
+    /// the forces of those that act on its nodes. Only with accelerated sweeps workers know the
+    /// number of pairs.
     pub fn replicates_pairs(&self) -> bool {
         self.accelerates() && !LawSets::is_dense(self.pairs)
     }

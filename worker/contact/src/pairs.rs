@@ -2,7 +2,8 @@
 //! nodes.
 //!
 //! A worker owns the pairs of the nodes that it owns, and of its edges (`edges.rs`). It receives
-//! every other pair that touches one of its local nodes. So it can sum the contact force on each
+//! every other pair that touches one of its local nodes or ghosts; where pairs are few, it computes
+//! the forces of some of these too (replicas). So it can sum the contact force on each
 //! of these nodes alone, in the same order as every other worker: of the pair keys, and of the
 //! schedule (`pairs/schedule.rs`) for changes within Gauss-Seidel sweeps.
 
@@ -55,7 +56,7 @@ pub struct PredictedLoad {
 pub struct PairTable {
     /// Pairs in ascending order of their keys.
     pub pairs: Vec<Pair>,
-    /// Local nodes that a pair touches, ascending.
+    /// Nodes that a pair touches, ascending: local nodes, ghosts, nodes of replicas.
     pub touched: Vec<u32>,
     /// Contact force on each node of `touched` [force].
     pub total: Vec<V3>,
@@ -153,13 +154,13 @@ impl PairTable {
         (0..group.len() as u32).map(|i| root(&group, i)).collect()
     }
 
-    /// Removes the replicas that have no effect on own pairs and on the first `local` nodes, not
-    /// even through other pairs. [`Self::index_by_node`] must come before and after.
-    pub fn keep_coupled(&mut self, local: u32) {
+    /// Removes the replicas that have no effect on own pairs and on nodes with an index below
+    /// `held`, not even through other pairs. [`Self::index_by_node`] must come before and after.
+    pub fn keep_coupled(&mut self, held: u32) {
         let group = self.connected_groups();
         let mut is_needed = vec![false; group.len()];
         for (pair, &group) in self.pairs.iter().zip(&group) {
-            is_needed[group as usize] |= !pair.is_replica || pair.local_nodes().any(|n| n < local);
+            is_needed[group as usize] |= !pair.is_replica || pair.local_nodes().any(|n| n < held);
         }
         let mut groups = group.into_iter();
         self.pairs.retain(|_| groups.next().is_some_and(|group| is_needed[group as usize]));
@@ -172,9 +173,8 @@ impl PairTable {
         let (total, couples) = (std::mem::take(&mut self.total), std::mem::take(&mut self.couples));
         self.pairs.retain(|p| !p.is_replica || p.local_nodes().any(|n| n < held));
         for pair in self.pairs.iter_mut().filter(|p| p.is_replica) {
-            (pair.is_owned, pair.is_replica) = (false, false);
-            pair.shape = [0.0; MAX_PAIR_NODES];
-            pair.nodes.iter_mut().filter(|n| **n >= held).for_each(|n| *n = NOT_LOCAL);
+            let nodes = pair.nodes.map(|n| if n < held { n } else { NOT_LOCAL });
+            *pair = pair.as_copy(nodes);
         }
         self.index_by_node();
         debug_assert_eq!(self.touched.len(), kept, "all pairs of these nodes are kept");

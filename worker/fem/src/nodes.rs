@@ -34,8 +34,9 @@ pub struct OuterStepMean {
     pub w: [f64; 3],
 }
 
-/// Columns over local nodes in ascending id, then over ghost nodes in ascending id. The
-/// rotational columns are empty if the model has no rotations.
+/// Columns over local nodes in ascending id, then over ghost nodes in ascending id. While contact
+/// forces are computed, nodes of replicated pairs may follow them, in ascending id. The rotational
+/// columns are empty if the model has no rotations.
 #[derive(Debug, Default)]
 pub struct Nodes {
     /// Number of this worker, counted from 0.
@@ -100,7 +101,12 @@ pub struct ContactNode {
     pub w_next: [f64; 3],
     /// Inverse mass and inverse rotational inertia per component, as in [`Nodes`].
     pub inverse: [[f64; 3]; 2],
+    /// Lumped mass [mass].
+    pub mass: f64,
 }
+
+/// Owner of the nodes that [`Nodes::push_contact_node`] appends.
+const NOT_HELD: u32 = u32::MAX;
 
 impl Nodes {
     /// Creates the local nodes of worker `me` from records in ascending id. All are owned by `me`
@@ -144,14 +150,17 @@ impl Nodes {
             v: [xyz(&self.v[i]), xyz(&self.v_next[i])],
             w_next: turning(&self.w_next),
             inverse: [xyz(&self.inv_mass[i]), turning(&self.inv_inertia)],
+            mass: self.mass[i],
         }
     }
 
-    /// Appends a node of other workers that only contact forces use.
+    /// Appends a node of other workers that only contact forces use. [`Self::truncate`] removes
+    /// such nodes.
     pub fn push_contact_node(&mut self, node: &ContactNode) {
         let [v, v_next] = node.v;
-        let record = NodeRecord { id: node.id, x: node.x, v, ..NodeRecord::default() };
-        self.push(&record, u32::MAX);
+        let record =
+            NodeRecord { id: node.id, x: node.x, v, mass: node.mass, ..NodeRecord::default() };
+        self.push(&record, NOT_HELD);
         let i = self.len() - 1;
         (self.v_next[i], self.inv_mass[i]) = (row(v_next), row(node.inverse[0]));
         if self.rotations {
@@ -404,9 +413,10 @@ impl Nodes {
         self.id[..self.local_count].binary_search(&id).ok().map(|i| i as u32)
     }
 
-    /// Returns the index of a local or ghost node.
+    /// Returns the index of a local or ghost node. Call it only while there are no other nodes.
     #[inline]
     pub fn index_of(&self, id: NodeId) -> Option<u32> {
+        debug_assert!(self.owner.last() != Some(&NOT_HELD), "there are nodes after the ghosts");
         self.index_among(id, self.len())
     }
 

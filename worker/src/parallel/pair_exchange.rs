@@ -2,7 +2,8 @@
 //!
 //! A worker sends each own pair to all other workers that have one of its nodes as local node or
 //! ghost. Then every worker has all pairs that touch its local nodes, and sums the contact force on
-//! each of these nodes alone. A pair that other workers know is *shared*.
+//! each of these nodes alone. A pair that other workers know is *shared*. Few pairs are replicated
+//! instead (`replicated_pairs.rs`).
 
 use crate::contact::enforce::{Iteration, Laws};
 use crate::contact::pairs::{MAX_PAIR_NODES, Pair, PairKey, PairTable, padded};

@@ -1,8 +1,9 @@
-//! Replication of pairs. If all workers together have few pairs, each of them gets all of these
-//! pairs and computes all forces, as one worker would. This takes one exchange per step and none
-//! during the sweeps. Pairs in order would take several messages per sweep, which cost far more
-//! than a few hundred pairs (`cases/bench/RESULTS.md`). Workers without nodes of pairs go on to the
-//! next step and do not wait.
+//! Replication of pairs. If all workers together have few pairs, each worker gets all of them, and
+//! computes the forces of those that act on its local nodes and ghosts, directly or through other
+//! pairs. This takes one exchange per step and none during the plain sweeps. Pairs in order would
+//! take several messages per sweep, which cost far more than a few hundred pairs
+//! (`cases/bench/RESULTS.md`). Workers without nodes of pairs go on to the next step without
+//! waiting.
 //!
 //! The nodes of pairs that a worker has neither as local nodes nor as ghosts come after its ghosts
 //! until the forces are known.
@@ -36,11 +37,13 @@ struct PackedLaw {
 /// Replicated pairs of a step.
 #[derive(Debug, Default)]
 pub struct ReplicatedPairs {
-    /// `None` if pairs are not replicated, and after the step.
+    /// `None` if pairs are not replicated, and after the sweeps.
     now: Option<Replication>,
+    /// Number of replicas of the last step.
+    pub replicas: u64,
 }
 
-stateless!(ReplicatedPairs { now });
+stateless!(ReplicatedPairs { now, replicas });
 
 #[derive(Debug)]
 struct Replication {
@@ -58,12 +61,13 @@ impl ReplicatedPairs {
         self.now.as_ref().map(|now| now.total)
     }
 
-    /// Returns the workers that compute forces, ascending, if pairs are replicated.
+    /// Returns the workers that have own pairs or nodes of pairs, ascending, if pairs are
+    /// replicated.
     pub fn members(&self) -> Option<&[usize]> {
         self.now.as_ref().map(|now| &now.members[..])
     }
 
-    /// Returns true if the worker computes forces.
+    /// Returns true if the worker takes part in sums and maxima of the sweeps.
     pub fn takes_part(&self, worker: usize) -> bool {
         self.members().is_none_or(|members| members.binary_search(&worker).is_ok())
     }
@@ -88,15 +92,16 @@ impl ReplicatedPairs {
         let mut mails: Vec<(usize, Mailbox)> = Vec::new();
         for (worker, words) in sent.into_iter().enumerate().filter(|(_, words)| !words.is_empty()) {
             let mut mail = Mailbox::from_words(words);
-            let [pairs, users] = mail.take::<[u64; 2]>();
-            now.total += pairs;
+            let [pair_count, user_count] = mail.take::<[u64; 2]>();
+            now.total += pair_count;
             now.members.push(worker);
-            now.members.extend(mail.take_many::<u64>(users as usize).iter().map(|&w| w as usize));
+            let sent = mail.take_many::<u64>(user_count as usize).iter();
+            now.members.extend(sent.map(|&w| w as usize));
             mails.push((worker, mail));
         }
         now.members.sort_unstable();
         now.members.dedup();
-        self.now = Some(now);
+        (self.now, self.replicas) = (Some(now), 0);
         mails.retain(|(worker, _)| *worker != me);
         if self.takes_part(me) && !mails.is_empty() {
             let mut added: Vec<ContactNode> = Vec::new();
@@ -115,7 +120,8 @@ impl ReplicatedPairs {
             }
             table.sort_by_key();
             table.index_by_node();
-            table.keep_coupled(nodes.local_count as u32);
+            table.keep_coupled(held as u32);
+            self.replicas = table.pairs.iter().filter(|p| p.is_replica).count() as u64;
         }
         table.index_by_node();
         Ok(())
@@ -226,16 +232,24 @@ mod tests {
     use crumple_proto::partition::NodeRecord;
     use crumple_proto::transport::threads;
 
-    /// Nodes of a worker. Coordinates, velocities and masses follow from the ids.
-    fn nodes(me: u32, ids: &[u64]) -> Nodes {
+    /// A mass whose inverse has another inverse than itself.
+    fn mass(id: u64) -> f64 {
+        49.0 * id as f64
+    }
+
+    /// Nodes of a worker, the last `ghosts` of them ghosts. Coordinates, velocities and masses
+    /// follow from the ids.
+    fn nodes(me: u32, ids: &[u64], ghosts: usize) -> Nodes {
         let record = |&id: &u64| NodeRecord {
             id: NodeId(id),
             x: [id as f64, 0.0, 1.0],
             v: [0.0, id as f64, 0.0],
-            mass: id as f64,
+            mass: mass(id),
             ..NodeRecord::default()
         };
-        let mut nodes = Nodes::new(&ids.iter().map(record).collect::<Vec<_>>(), me, true);
+        let (local, others) = ids.split_at(ids.len() - ghosts);
+        let mut nodes = Nodes::new(&local.iter().map(record).collect::<Vec<_>>(), me, true);
+        nodes.add_ghosts(others.iter().map(|id| (record(id), 2)));
         (0..ids.len()).for_each(|i| {
             nodes.v_next[i] = [ids[i] as f64, 2.0, 3.0, 0.0];
             nodes.w_next[i] = [4.0, 5.0, ids[i] as f64, 0.0];
@@ -261,24 +275,24 @@ mod tests {
         }
     }
 
-    /// What a worker has during the sweeps and after them.
+    /// Pairs and number of nodes of a worker, during the sweeps and after them.
     #[derive(Debug, PartialEq)]
     struct Seen {
-        /// Slaves of the pairs, with 1 for pairs whose forces it computes.
+        /// Slaves of the pairs, with true for pairs whose forces it computes.
         pairs: [Vec<(u64, bool)>; 2],
         nodes: [usize; 2],
     }
 
-    /// Two workers have pairs with a common node, which the second one has as well; the pair of the
-    /// third one is alone, the fourth one has a node of a pair, and the fifth one has none. Each worker computes the pairs that act on
-    /// its nodes, directly or through others. Afterwards it has the pairs that touch its nodes and
-    /// no node more.
+    /// The first two workers have pairs with a common node; the pair of the third one is alone, the
+    /// fourth one has a node of a pair, and the fifth one a ghost of another. Each worker computes
+    /// the pairs that act on its nodes, directly or through others. Afterwards it has the pairs
+    /// that touch its nodes, and no node more.
     #[test]
     fn workers_compute_the_pairs_that_act_on_their_nodes() {
         let nodes_of: [&[u64]; 5] =
-            [&[1, 2, 3, 4, 5], &[3, 6, 7, 8, 9], &[21, 22, 23, 24, 25], &[9, 30], &[31]];
+            [&[1, 2, 3, 4, 5], &[3, 6, 7, 8, 9], &[21, 22, 23, 24, 25], &[9, 30], &[31, 22]];
         let run = |me: usize, comm: &mut dyn Transport| {
-            let mut nodes = nodes(me as u32, nodes_of[me]);
+            let mut nodes = nodes(me as u32, nodes_of[me], usize::from(me == 4));
             let mut table = PairTable::default();
             match me {
                 1 => table.pairs.push(pair(&nodes, [4, 0, 1, 2, 3])),
@@ -290,13 +304,12 @@ mod tests {
                 (0, 3) => &[1][..],
                 (1, 3) => &[0],
                 (1, 9) => &[3],
+                (2, 22) => &[4],
                 _ => &[],
             };
             replicated.gather(comm, &mut nodes, &mut table, users).unwrap();
-            assert_eq!(
-                (replicated.total(), replicated.members()),
-                (Some(3), Some(&[0, 1, 2, 3][..]))
-            );
+            assert_eq!(replicated.total(), Some(3));
+            assert_eq!(replicated.members(), Some(&[0, 1, 2, 3, 4][..]));
             let slaves = |table: &PairTable| {
                 table.pairs.iter().map(|p| (p.key.slave.0, p.is_owned)).collect::<Vec<_>>()
             };
@@ -312,7 +325,8 @@ mod tests {
                     assert_eq!(nodes.contact_node(n).x, [id, 0.0, 1.0]);
                     assert_eq!(nodes.contact_node(n).v, [[0.0, id, 0.0], [id, 2.0, 3.0]]);
                     assert_eq!(nodes.contact_node(n).w_next, [4.0, 5.0, id]);
-                    assert_eq!(nodes.inv_mass[n][..3], [1.0 / id; 3]);
+                    assert_eq!(nodes.inv_mass[n][..3], [1.0 / mass(nodes.id[n].0); 3]);
+                    assert_eq!(nodes.contact_mass(n), mass(nodes.id[n].0));
                 }
             }
             for (n, total) in table.touched.iter().zip(&mut table.total) {
@@ -338,7 +352,7 @@ mod tests {
             (both.clone(), copied(false), [14, 5]),
             (alone.clone(), alone, [14, 5]),
             (both, vec![(9, false)], [15, 2]),
-            (Vec::new(), Vec::new(), [1, 1]),
+            (vec![(21, true)], vec![(21, false)], [15, 2]),
         ];
         for (w, (seen, (during, after, nodes))) in seen.iter().zip(expected).enumerate() {
             assert_eq!(*seen, Seen { pairs: [during, after], nodes }, "worker {w}");

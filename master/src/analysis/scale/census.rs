@@ -212,7 +212,7 @@ impl Census {
                 groups.entry(group).or_insert_with(|| (vec![0; workers], BTreeSet::new()));
             own[*owner as usize] += 1;
             needed_by.insert(*owner);
-            needed_by.extend(pair.local_nodes().flat_map(|n| self.holders(n)).copied());
+            needed_by.extend(others);
         }
         let words = of_worker.iter().map(|(own, users)| message_words(own, users.len()));
         let words: Vec<usize> = words.collect();

@@ -77,6 +77,7 @@ fn side_by_side(
         one_step(&mut engine, comm).unwrap();
         let after = comm.traffic();
         let contact = engine.contact.as_ref().unwrap();
+        count.replicas = engine.replicated_pairs.replicas;
         count.near = contact.count_near().map(|(_, n)| n as u64).sum();
         for pair in contact.owned_table() {
             let receivers: BTreeSet<u32> =
@@ -162,7 +163,7 @@ fn compare(model: &Model, cycles: u64) -> u64 {
                     // Known within a step only.
                     (counted.partners, counted.quiet) = (0, 0);
                     (counted.phases, counted.phase_messages) = (0, 0);
-                    (counted.replicated, counted.replicas) = (None, 0);
+                    counted.replicated = None;
                     // Near lists of one worker and of several are made in different cycles: 4640
                     // and 4635 candidates were seen.
                     let near = [counted.near, seen.count.near].map(|n| n as f64);

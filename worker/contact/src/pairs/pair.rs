@@ -269,6 +269,27 @@ impl Pair {
         }
     }
 
+    /// Returns what other workers know of the pair: no values that only its owner needs. `nodes` are
+    /// their indices of its nodes.
+    pub fn as_copy(&self, nodes: [u32; MAX_PAIR_NODES]) -> Self {
+        Self {
+            weight: self.weight,
+            area: self.area,
+            normal: self.normal,
+            lever_arms: self.lever_arms,
+            penetration: self.penetration,
+            tolerated_gap: self.tolerated_gap,
+            initial_gap: self.initial_gap,
+            contact_thickness: self.contact_thickness,
+            interface: self.interface,
+            force: self.force,
+            slave_mass: self.slave_mass,
+            slave_sliding_mass: self.slave_sliding_mass,
+            slave_is_fixed: self.slave_is_fixed,
+            ..Self::new(self.key, self.segment, nodes)
+        }
+    }
+
     /// Limits the friction of this step to a shear stress [force/length^2] on the area of the
     /// slave node [length^2]. If two surfaces are slaves of each other, the load is divided
     /// arbitrarily between their pairs, so the force of one pair does not give the pressure.
