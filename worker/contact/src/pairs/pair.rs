@@ -269,8 +269,8 @@ impl Pair {
         }
     }
 
-    /// Returns what other workers know of the pair: no values that only its owner needs. `nodes` are
-    /// their indices of its nodes.
+    /// Returns what other workers know of the pair: no values that only its owner needs. `nodes`
+    /// are their indices of its nodes.
     pub fn as_copy(&self, nodes: [u32; MAX_PAIR_NODES]) -> Self {
         Self {
             weight: self.weight,
