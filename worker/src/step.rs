@@ -317,6 +317,7 @@ fn exchange_pairs(
     let replicates = comm.size() > 2 && engine.replicates_pairs();
     let Engine { nodes, halo, contact, pair_exchange, replicated_pairs, agreement, .. } = engine;
     let Some(contact) = contact else { return Ok(()) };
+    replicated_pairs.clear();
     if replicates {
         pair_exchange.clear();
         replicated_pairs.gather(comm, nodes, &mut contact.table, |n| halo.users_of(n))?;

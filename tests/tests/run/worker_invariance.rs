@@ -53,21 +53,6 @@ fn forced_redecompositions_of_either_kind_change_no_bit() {
     }
 }
 
-/// Few pairs are computed by each worker that has their nodes. Nodes of other workers are there
-/// during the sweeps only.
-#[test]
-fn workers_have_no_node_of_replicated_pairs_after_a_step() {
-    let replicated = Mutex::new(0);
-    watch_side_by_side(&read(&case("tumble"), &[]), 4, [700, 0], &|e: &Engine| {
-        let table = &e.contact.as_ref().expect("contact").table;
-        *replicated.lock().unwrap() += usize::from(e.replicates_pairs()) * table.pairs.len();
-        assert!(table.pairs.iter().all(|p| !p.is_replica));
-        assert!(e.nodes.owner.iter().all(|&owner| owner < 4), "only own nodes and ghosts");
-        assert_eq!([e.nodes.v.len(), e.nodes.w_next.len()], [e.nodes.len(); 2]);
-    });
-    assert!(*replicated.lock().unwrap() > 1000, "there is contact");
-}
-
 /// Pairs in order, too many to be replicated: forces travel after each phase of a sweep.
 #[test]
 fn many_pairs_in_order_give_the_same_bits() {

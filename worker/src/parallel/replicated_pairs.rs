@@ -39,7 +39,7 @@ struct PackedLaw {
 pub struct ReplicatedPairs {
     /// `None` if pairs are not replicated, and after the sweeps.
     now: Option<Replication>,
-    /// Number of replicas of the last step.
+    /// Number of replicas of the last step, 0 if pairs were not replicated.
     pub replicas: u64,
 }
 
@@ -72,6 +72,11 @@ impl ReplicatedPairs {
         self.members().is_none_or(|members| members.binary_search(&worker).is_ok())
     }
 
+    /// Forgets the replicas of the last step.
+    pub fn clear(&mut self) {
+        self.replicas = 0;
+    }
+
     /// Sends the own pairs to all workers and adds those of all others to the table, with the
     /// nodes that they touch. Before the call, the table has the own pairs, ascending. `users`
     /// returns the other workers that have a node.
@@ -101,7 +106,7 @@ impl ReplicatedPairs {
         }
         now.members.sort_unstable();
         now.members.dedup();
-        (self.now, self.replicas) = (Some(now), 0);
+        self.now = Some(now);
         mails.retain(|(worker, _)| *worker != me);
         if self.takes_part(me) && !mails.is_empty() {
             let mut added: Vec<ContactNode> = Vec::new();

@@ -98,9 +98,9 @@ fn side_by_side(
 }
 
 /// Compares predicted counts with real ones for some numbers of workers. Returns the number of
-/// all pairs.
-fn compare(model: &Model, cycles: u64) -> u64 {
-    let mut pairs = 0;
+/// all pairs and that of all replicas.
+fn compare(model: &Model, cycles: u64) -> [u64; 2] {
+    let (mut pairs, mut replicas) = (0, 0);
     for workers in [2, 4, 7] {
         let mut census = None;
         let first = bisect(&mut Centres(centres(model)), workers).unwrap();
@@ -129,7 +129,7 @@ fn compare(model: &Model, cycles: u64) -> u64 {
                 let most = seen.iter().map(|s| s.sweeps).max().unwrap_or(0);
                 for (w, (mut counted, seen)) in census.counts.iter().cloned().zip(seen).enumerate()
                 {
-                    pairs += counted.pairs;
+                    (pairs, replicas) = (pairs + counted.pairs, replicas + counted.replicas);
                     let [messages, bytes] = counted.traffic(engine, workers);
                     if counted.partners == 0 && most <= laws.sweeps() as u64 {
                         let sent = [seen.sent.messages as f64, seen.sent.bytes as f64];
@@ -178,26 +178,27 @@ fn compare(model: &Model, cycles: u64) -> u64 {
         .unwrap();
         assert!(census.is_some());
     }
-    pairs
+    [pairs, replicas]
 }
 
 /// Shells in flight towards each other: ghosts without pairs.
 #[test]
 fn counts_are_those_of_workers_side_by_side_before_anything_touches() {
-    assert_eq!(compare(&model("tumble", &["output.history_interval=100"]), 3), 0);
+    assert_eq!(compare(&model("tumble", &["output.history_interval=100"]), 3), [0, 0]);
 }
 
 /// Shells in flight with a rigid body, whose workers all send to each other.
 #[test]
 fn counts_are_those_of_workers_side_by_side_with_a_rigid_body() {
     let sets = ["output.history_interval=100", "rigid=[{name=\"plate\", parts=[5]}]"];
-    assert_eq!(compare(&model("tumble", &sets), 3), 0);
+    assert_eq!(compare(&model("tumble", &sets), 3), [0, 0]);
 }
 
 /// Bars in contact, with pairs and edges that reach across workers.
 #[test]
 fn counts_are_those_of_workers_side_by_side_in_contact() {
-    assert!(compare(&model("bars", &["scene.elements=60", "output.history_interval=100"]), 30) > 0);
+    let sets = ["scene.elements=60", "output.history_interval=100"];
+    assert!(compare(&model("bars", &sets), 30).iter().all(|&count| count > 0));
 }
 
 /// Bricks in a stack, with pairs in chains through all workers, whose updates wait for each other.
@@ -207,7 +208,8 @@ fn messages_of_dense_contact_are_predicted() {
     for iteration in ["gauss_seidel", "auto"] {
         let iteration = format!("contact.iteration=\"{iteration}\"");
         let model = model("brick-wall", &["output.history_interval=100", &iteration]);
-        assert!(compare(&model, 40) > 1000, "{iteration}");
+        let [pairs, replicas] = compare(&model, 40);
+        assert!(pairs > 1000 && replicas == 0, "{iteration}");
     }
 }
 
@@ -217,8 +219,8 @@ fn messages_of_dense_contact_are_predicted() {
 fn counts_are_those_of_workers_side_by_side_with_a_second_decomposition() {
     let rows = "output.history_interval=100";
     let rcb = "parallel.contact=\"rcb\"";
-    assert_eq!(compare(&model("tumble", &[rows, rcb]), 3), 0);
-    assert!(compare(&model("bars", &["scene.elements=60", rows, rcb]), 30) > 0);
+    assert_eq!(compare(&model("tumble", &[rows, rcb]), 3), [0, 0]);
+    assert!(compare(&model("bars", &["scene.elements=60", rows, rcb]), 30)[0] > 0);
 }
 
 /// Runs the whole command on a small scene. Work of one worker is measured and predicted alike,
