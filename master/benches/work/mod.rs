@@ -119,6 +119,7 @@ fn contact() -> Work {
             comm,
             constraints: &mut e.constraints,
             pair_exchange: &mut e.pair_exchange,
+            replicated: &e.replicated_pairs,
         };
         contact.enforce(&mut e.nodes, &mut around, steps).expect("no rank is lost");
     })
