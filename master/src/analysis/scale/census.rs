@@ -95,7 +95,7 @@ pub struct Count {
 pub struct ReplicationCount {
     /// Messages and words of the exchange of pairs.
     pub exchange: [u64; 2],
-    /// Messages in a sum over the workers that compute forces; 0 for the others.
+    /// Messages in a sum over the workers with nodes of pairs; 0 for the others.
     pub messages_of_sum: usize,
 }
 
