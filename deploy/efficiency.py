@@ -418,11 +418,11 @@ def report(args, runs, results, marks, named):
             "    ",
         ),
         paragraph(
-            "  - Critical path: the largest CPU time of one worker per cycle, without waiting,"
-            " summed over cycles. In a cycle, workers wait for each other more than once, so the"
-            " true path is somewhat longer. Two effects make it somewhat shorter: an interrupt of"
-            " one worker counts as imbalance, and on shared cores the caches are cold after each"
-            " turn.",
+            "  - Critical path: the largest CPU time of one worker per cycle without contact, plus"
+            " the largest one of contact, without waiting, summed over cycles. Workers wait for"
+            " each other between the two. The share of contact is measured in one of ten cycles."
+            " Two effects make the true path somewhat shorter: an interrupt of one worker counts"
+            " as imbalance, and on shared cores the caches are cold after each turn.",
             "    ",
         ),
         paragraph(

@@ -18,7 +18,7 @@ use crate::checkpoint::{Captured, FileRecord, Saved};
 use crate::exact_sum::ExactSum;
 use crate::ids::ElemId;
 use crate::partition::{ElementRecord, NodeRecord, Settings};
-use crate::report::{Failure, FinalReport, HistoryPart, StepReport};
+use crate::report::{Failure, FinalReport, HistoryPart, StepLoads, StepReport};
 use crate::steering::{Steer, Steered};
 use crate::trace::Recording;
 use serde::{Deserialize, Serialize};
@@ -204,8 +204,8 @@ pub enum ToMaster {
     Ready,
     /// Answer to `Extents`: box around the element centres, per entry.
     Extents(Vec<Aabb>),
-    /// Answer to `Histograms`: load per bin, per entry.
-    Histograms(Vec<Vec<f64>>),
+    /// Answer to `Histograms`: loads per bin, per entry.
+    Histograms(Vec<Vec<StepLoads>>),
     /// An order of the user has taken effect; sent by the first worker for all. The number is that
     /// of the order, 0 for one that was planned.
     Steered(u64, Steered),

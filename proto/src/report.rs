@@ -311,7 +311,7 @@ pub const PHASES: [&str; 11] = [
 ];
 
 /// Timed stages of a step; indices into [`PHASES`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Phase {
     /// Internal forces.
@@ -336,6 +336,22 @@ pub enum Phase {
     Output,
     /// Migration and build of the new partition.
     Renewal,
+}
+
+/// Load of a step in two parts: CPU time without contact, and of contact [s]. Contact begins with
+/// the velocities of ghosts, which their owners know after all their elements. So workers wait for
+/// each other between the two, and a step takes the largest time of each.
+pub type StepLoads = [f64; 2];
+
+impl Phase {
+    /// Phases of contact, the second part of [`StepLoads`].
+    pub const OF_CONTACT: [Self; 3] = [Self::Search, Self::Local, Self::Contact];
+}
+
+/// Returns the time of a worker without contact, and of contact [s].
+pub fn step_loads(seconds: &PhaseSeconds) -> StepLoads {
+    let contact = Phase::OF_CONTACT.iter().map(|&p| seconds[p as usize]).sum::<f64>();
+    [seconds.iter().sum::<f64>() - contact, contact]
 }
 
 /// Wall-clock time of one worker in each of [`PHASES`] [s]; `halo` includes waiting for others.

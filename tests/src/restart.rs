@@ -4,7 +4,7 @@ use crate::fields::assert_same_fields;
 use crumple::input::job::Model;
 use crumple::results::histories::NAMES;
 use crumple::results::summary::state_digest;
-use crumple::run::decompose::{Centres, bisect};
+use crumple::run::decompose::{Before, Centres, bisect};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::checkpoint::{Captured, FileRecord, partial_name};
 use crumple_proto::ids::NodeId;
@@ -42,7 +42,9 @@ pub struct Plan {
 /// When a worker is lost or a file cannot be written or read.
 pub fn run_interrupted(model: &Model, plan: Plan) -> String {
     let dir = tempfile::tempdir().expect("a temporary folder");
-    let tree = |workers| bisect(&mut Centres(centres(model)), workers).expect("one process");
+    let tree = |workers| {
+        bisect(&mut Centres(centres(model)), workers, Before::default()).expect("one process")
+    };
     let (first, second) = (tree(plan.workers[0]), tree(plan.workers[1]));
     let written = side_by_side(plan.workers[0], |comm| {
         let share = share_of(model, &first, comm.rank() - 1);

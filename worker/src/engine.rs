@@ -36,7 +36,9 @@ use crumple_proto::mesh::{MAX_CORNERS, Shape};
 use crumple_proto::message::ToMaster;
 use crumple_proto::partition::Settings;
 use crumple_proto::place::ModelPlace;
-use crumple_proto::report::{Displacement, Energies, HistoryPart, Phase, PhaseSeconds};
+use crumple_proto::report::{
+    Displacement, Energies, HistoryPart, Phase, PhaseSeconds, StepLoads, step_loads,
+};
 use crumple_proto::trace::Event;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
@@ -342,8 +344,8 @@ impl Engine {
         centre(&self.nodes.x, nodes, shape)
     }
 
-    /// Calls `f` with the centre and the load of every own element. The sum of all loads is that of
-    /// `seconds`, the CPU time of a cycle by phase [s].
+    /// Calls `f` with the centre and the load of every own element, without and with contact. The
+    /// sum of all loads is that of `seconds`, the CPU time of a cycle by phase [s].
     ///
     /// The time of each phase is divided by what causes it: element forces by the measured cost of
     /// each kernel, the global search by slaves and candidates, the local search by near
@@ -353,7 +355,7 @@ impl Engine {
         &self,
         seconds: &PhaseSeconds,
         pair_s: f64,
-        mut f: impl FnMut([f64; 3], f64),
+        mut f: impl FnMut([f64; 3], StepLoads),
     ) {
         let elements = &self.blocks.elements;
         // Each node counts for one element.
@@ -373,14 +375,15 @@ impl Engine {
             }
             weights
         };
-        let mut loads = vec![0.0; elements.len()];
-        let mut shared_out = 0.0;
+        let mut loads = vec![[0.0; 2]; elements.len()];
+        let mut rest = step_loads(seconds);
         let mut share_out = |phase: Phase, weights: &[f64], most: f64| {
             let sum = weights.iter().sum::<f64>();
+            let kind = usize::from(Phase::OF_CONTACT.contains(&phase));
             if sum > 0.0 {
                 let of_phase = seconds[phase as usize].min(most * sum);
-                loads.iter_mut().zip(weights).for_each(|(l, w)| *l += of_phase / sum * w);
-                shared_out += of_phase;
+                loads.iter_mut().zip(weights).for_each(|(l, w)| l[kind] += of_phase / sum * w);
+                rest[kind] -= of_phase;
             }
         };
         share_out(Phase::Elements, &self.blocks.kernel_seconds(), f64::INFINITY);
@@ -392,9 +395,10 @@ impl Engine {
             let pairs = &mut contact.owned_pair_nodes().map(|n| (n, 1));
             share_out(Phase::Contact, &on_elements(pairs), pair_s);
         }
-        let rest = (seconds.iter().sum::<f64>() - shared_out) / elements.len().max(1) as f64;
-        for (e, load) in elements.iter().zip(loads) {
-            f(self.centre_of(e.nodes, e.record.shape), load + rest);
+        let rest = rest.map(|r| r / elements.len().max(1) as f64);
+        for (e, [motion, contact]) in elements.iter().zip(loads) {
+            let load = [motion + rest[0], contact + rest[1]];
+            f(self.centre_of(e.nodes, e.record.shape), load);
         }
     }
 

@@ -20,7 +20,9 @@ use crumple_proto::disk;
 use crumple_proto::message::{Action, Changes, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
-use crumple_proto::report::{Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepReport};
+use crumple_proto::report::{
+    Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepLoads, StepReport,
+};
 use crumple_proto::steering::Steer;
 use crumple_proto::trace::{Event, OrderKind};
 use crumple_proto::transport::{RankLost, Tag, Traffic, Transport, thread_cpu};
@@ -133,7 +135,9 @@ fn resume(
         Err(why) => return refuse(comm, why),
     };
     post(comm, 0, Tag::Report, &ToMaster::Ready)?;
-    let loads: Vec<_> = checkpoint::loads(&settings, &state.share).collect();
+    // The cost of contact is not known yet.
+    let loads: Vec<_> =
+        checkpoint::loads(&settings, &state.share).map(|(c, load)| (c, [load, 0.0])).collect();
     let tree = loop {
         let question = await_message(comm, 0, Tag::Order)?;
         match answer(comm, question, &mut |_, f| loads.iter().for_each(|&(c, l)| f(c, l)))? {
@@ -162,7 +166,7 @@ fn refuse(comm: &mut dyn Transport, why: String) -> Result<Option<RunningWorker>
 
 /// Calls a function with the centre and the load of every own element. The number is the CPU time
 /// of a contact pair [s].
-type EachLoad<'a> = dyn FnMut(f64, &mut dyn FnMut([f64; 3], f64)) + 'a;
+type EachLoad<'a> = dyn FnMut(f64, &mut dyn FnMut([f64; 3], StepLoads)) + 'a;
 
 /// Answers a request of the master for extents or histograms of the load. Returns all other
 /// messages.
@@ -182,7 +186,7 @@ fn answer(
             post(comm, 0, Tag::Report, &ToMaster::Extents(extents))?;
         }
         ToWorker::Histograms { tree, of, bins, pair_s } => {
-            let mut histograms = vec![vec![0.0; bins]; of.len()];
+            let mut histograms = vec![vec![[0.0; 2]; bins]; of.len()];
             each_load(pair_s, &mut |centre, load| {
                 let entry = tree.entry_of(centre);
                 for (h, &(_, axis, lo, hi)) in
@@ -190,7 +194,8 @@ fn answer(
                 {
                     let place =
                         (centre[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
-                    h[(place.max(0.0) as usize).min(bins - 1)] += load;
+                    let bin = &mut h[(place.max(0.0) as usize).min(bins - 1)];
+                    bin.iter_mut().zip(load).for_each(|(b, l)| *b += l);
                 }
             });
             post(comm, 0, Tag::Report, &ToMaster::Histograms(histograms))?;
@@ -513,7 +518,7 @@ impl RunningWorker {
         let mut aside = Vec::new();
         let tree = loop {
             let question = await_message(comm, 0, Tag::Order)?;
-            let mut each_load = |pair_s: f64, f: &mut dyn FnMut([f64; 3], f64)| {
+            let mut each_load = |pair_s: f64, f: &mut dyn FnMut([f64; 3], StepLoads)| {
                 engine.for_each_load(cost, pair_s, f);
             };
             match answer(comm, question, &mut each_load)? {

@@ -72,7 +72,7 @@ impl WorkerFile {
         })
     }
 
-    /// Adds a report. `imbalance` is the maximum over mean load since the master last judged it.
+    /// Adds a report. `imbalance` is that since the master last judged it.
     ///
     /// # Errors
     /// The file cannot be written.

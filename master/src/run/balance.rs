@@ -2,7 +2,7 @@
 //! workers.
 
 use crumple_proto::checkpoint::MOST;
-use crumple_proto::report::{Displacement, Phase, StepReport};
+use crumple_proto::report::{Displacement, Phase, StepLoads, StepReport, step_loads};
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
@@ -24,7 +24,7 @@ pub enum Due {
 /// Thresholds from the job.
 #[derive(Clone, Debug)]
 pub struct BalanceLimits {
-    /// Maximum over mean step cost above which a low redecomposition is due.
+    /// [`Balance::imbalance`] above which a low redecomposition is due.
     pub imbalance: f64,
     /// Minimum number of cycles between two low redecompositions; the first may come earlier.
     pub low_every_at_least: u64,
@@ -59,15 +59,17 @@ pub struct Balance {
     /// Last report of each worker.
     pub last: Vec<StepReport>,
     /// CPU time of cycles that not all workers have reported yet [s].
-    waiting: Vec<VecDeque<f32>>,
+    waiting: Vec<VecDeque<StepLoads>>,
     /// CPU time of each worker since the last redecomposition or judgement [s], and the number of
     /// cycles in it.
-    window: Vec<f64>,
+    window: Vec<StepLoads>,
     cycles: usize,
     /// Imbalance of the last complete window since the last low redecomposition, 1 before.
     last_imbalance: f64,
     /// Smoothed CPU time of contact forces in a cycle [s], and number of pairs, of each worker.
     contact: Vec<[f64; 2]>,
+    /// Smoothed share of contact in the CPU time of each worker, none before the first sample.
+    contact_share: Vec<Option<f64>>,
     /// Time lost by waiting for the slowest worker since the last low redecomposition [s].
     lost: f64,
     /// Cycle of the last low redecomposition, none before the first.
@@ -80,13 +82,13 @@ pub struct Balance {
     /// effect doubles it.
     patience: u64,
     orders_due: u64,
-    /// Sum over cycles of the slowest worker's CPU time [s].
+    /// Sum over cycles of the largest CPU time without contact and the largest one of contact [s].
     pub critical_s: f64,
     /// Sum over cycles and workers of the CPU time [s].
     pub total_s: f64,
     /// CPU time of redecompositions, per worker [s].
     pub renewal_s: Vec<f64>,
-    /// Largest imbalance (maximum over mean step cost) of a window.
+    /// Largest imbalance of a window.
     pub worst: f64,
     /// Number of low redecompositions.
     pub low: u64,
@@ -136,6 +138,7 @@ impl Balance {
             cycles: _,
             last_imbalance: _,
             contact: _,
+            contact_share: _,
             lost: _,
             last_low: _,
             low_cost: _,
@@ -169,10 +172,11 @@ impl Balance {
             limits,
             last: vec![StepReport::default(); workers],
             waiting: vec![VecDeque::new(); workers],
-            window: vec![0.0; workers],
+            window: vec![[0.0; 2]; workers],
             cycles: 0,
             last_imbalance: 1.0,
             contact: vec![[0.0; 2]; workers],
+            contact_share: vec![None; workers],
             lost: 0.0,
             last_low: None,
             low_cost: LOW_COST,
@@ -190,9 +194,19 @@ impl Balance {
         }
     }
 
-    /// Adds a worker's report.
+    /// Adds a worker's report. Its phases are measured in some cycles only, so their smoothed share
+    /// divides the time of each cycle.
     pub fn add_report(&mut self, worker: usize, report: StepReport) {
-        self.waiting[worker].extend(&report.cpu);
+        let [motion, contact] = step_loads(&report.phase_cpu);
+        let share = &mut self.contact_share[worker];
+        if motion + contact > 0.0 {
+            let now = contact / (motion + contact);
+            *share = Some(share.map_or(now, |mean| mean + NEWEST * (now - mean)));
+        }
+        let share = share.unwrap_or(0.0);
+        let cycles =
+            report.cpu.iter().map(|&c| [(1.0 - share) * f64::from(c), share * f64::from(c)]);
+        self.waiting[worker].extend(cycles);
         self.renewal_s[worker] += report.renewal_s;
         let of_contact = report.phase_cpu[Phase::Contact as usize];
         if of_contact > 0.0 {
@@ -202,24 +216,26 @@ impl Balance {
         }
         self.last[worker] = report;
         while self.waiting.iter().all(|w| !w.is_empty()) {
-            let costs: Vec<f64> =
-                self.waiting.iter_mut().filter_map(|w| w.pop_front()).map(f64::from).collect();
-            let (sum, max) = costs.iter().fold((0.0, 0.0f64), |s, &c| (s.0 + c, s.1.max(c)));
+            let costs: Vec<StepLoads> =
+                self.waiting.iter_mut().filter_map(|w| w.pop_front()).collect();
+            let (sum, max) = (costs.iter().flatten().sum::<f64>(), slowest(&costs));
             self.critical_s += max;
             self.total_s += sum;
             self.lost += max - sum / costs.len() as f64;
-            self.window.iter_mut().zip(&costs).for_each(|(w, c)| *w += c);
+            let window = self.window.iter_mut().flatten();
+            window.zip(costs.iter().flatten()).for_each(|(w, c)| *w += c);
             self.cycles += 1;
         }
     }
 
-    /// Returns the maximum over mean step cost since the window began.
+    /// Returns the imbalance since the window began: the time of a step, with the waits for the
+    /// slowest worker without contact and in contact, over the mean time of the workers.
     pub fn imbalance(&self) -> f64 {
-        let mean = self.window.iter().sum::<f64>() / self.window.len() as f64;
-        if mean > 0.0 { self.window.iter().copied().fold(0.0, f64::max) / mean } else { 1.0 }
+        let mean = self.window.iter().flatten().sum::<f64>() / self.window.len() as f64;
+        if mean > 0.0 { slowest(&self.window) / mean } else { 1.0 }
     }
 
-    /// Returns the mean over the run of the maximum over mean step cost.
+    /// Returns the mean over the run of the imbalance of each cycle.
     pub fn mean_imbalance(&self) -> f64 {
         if self.total_s > 0.0 {
             self.critical_s * self.last.len() as f64 / self.total_s
@@ -352,9 +368,14 @@ impl Balance {
     }
 
     fn begin_window(&mut self) {
-        self.window.iter_mut().for_each(|w| *w = 0.0);
+        self.window.iter_mut().for_each(|w| *w = [0.0; 2]);
         self.cycles = 0;
     }
+}
+
+/// Returns the largest time without contact plus the largest one of contact of any worker [s].
+fn slowest(workers: &[StepLoads]) -> f64 {
+    (0..2).map(|kind| workers.iter().map(|w| w[kind]).fold(0.0, f64::max)).sum()
 }
 
 #[cfg(test)]
@@ -477,5 +498,21 @@ mod tests {
         b.add_report(0, StepReport { cpu: vec![1.0, 2.0], ..Default::default() });
         b.add_report(1, StepReport { cpu: vec![3.0, 1.0], ..Default::default() });
         assert_eq!((b.critical_s, b.total_s), (5.0, 7.0));
+    }
+
+    /// The sums of both workers are equal, but each waits for the other once per step.
+    #[test]
+    fn contact_on_one_side_is_an_imbalance_although_the_sums_are_equal() {
+        let mut b = balance();
+        for (worker, of_contact) in [(0, 0.5), (1, 0.0)] {
+            let mut phase_cpu = [0.0; crumple_proto::report::PHASES.len()];
+            phase_cpu[Phase::Elements as usize] = 1.0 - of_contact;
+            phase_cpu[Phase::Local as usize] = 0.4 * of_contact;
+            phase_cpu[Phase::Contact as usize] = 0.6 * of_contact;
+            b.add_report(worker, StepReport { phase_cpu, ..report(100, 1.0, 0.0, 0) });
+        }
+        assert!((b.critical_s - 150.0).abs() < 1e-9, "{}", b.critical_s);
+        assert!((b.imbalance() - 1.5).abs() < 1e-9, "{}", b.imbalance());
+        assert!(matches!(b.due(), Some(Due::Low { .. })));
     }
 }

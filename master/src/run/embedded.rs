@@ -3,7 +3,7 @@
 
 use crate::input::job::Model;
 use crate::results::summary::state_digest;
-use crate::run::decompose::{Centres, bisect};
+use crate::run::decompose::{Before, Centres, bisect};
 use crumple_proto::boxes::{Cut, CutTree};
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::mesh::MeshElement;
@@ -149,7 +149,8 @@ pub fn watch_side_by_side(
     let cut = |stretch: [f64; 3]| {
         let stretched =
             centres.iter().map(|c| std::array::from_fn(|k| c[k] * stretch[k])).collect();
-        let mut tree = bisect(&mut Centres(stretched), workers).expect("no worker is asked");
+        let mut tree = bisect(&mut Centres(stretched), workers, Before::default())
+            .expect("no worker is asked");
         for entry in &mut tree.entries {
             if let Cut::Plane { axis, at, .. } = entry {
                 *at /= stretch[*axis];
@@ -241,7 +242,8 @@ pub fn time_side_by_side(
     cycles: u64,
 ) -> Result<Vec<Timing>, String> {
     let centres = centres(model);
-    let tree = bisect(&mut Centres(centres.clone()), workers).map_err(|lost| lost.to_string())?;
+    let tree = bisect(&mut Centres(centres.clone()), workers, Before::default())
+        .map_err(|lost| lost.to_string())?;
     let shares = deal(model, &centres, &tree, workers);
     let timed = |comm: &mut dyn Transport, share| -> Result<Timing, String> {
         let mut engine = Engine::new(comm, model.settings.clone(), tree.clone(), share)

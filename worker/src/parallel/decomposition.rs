@@ -20,8 +20,9 @@ const IMBALANCE: ParameterRow = ParameterRow {
     form: Form::Number,
     otherwise: DefaultValue::Number(1.1),
     range: Some(Range { wanted: "at least 1; 1.1 is usual", fits: |x| x >= 1.0 }),
-    meaning: "Limit of the imbalance, the maximum over mean step cost of the workers. The boxes \
-              are recomputed if the imbalance stays above it.",
+    meaning: "Limit of the imbalance: the largest CPU time without contact plus the largest one of \
+              contact, over the mean time of the workers. The boxes are recomputed if it stays \
+              above this limit.",
 };
 
 /// Smallest number of cycles between two repartitions.
@@ -60,7 +61,7 @@ const CONTACT: ParameterRow = ParameterRow {
 pub struct BoxDecomposition {
     /// Width of the buffer around each box face [length]; 0 if it follows from the mesh.
     pub buffer: f64,
-    /// Limit of the imbalance, maximum over mean step cost.
+    /// Limit of the imbalance.
     pub imbalance: f64,
     /// Smallest number of cycles between two repartitions.
     pub low_every_at_least: u64,

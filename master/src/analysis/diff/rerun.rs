@@ -12,7 +12,7 @@ use crate::features;
 use crate::input::job::{self, Model};
 use crate::results::provenance::ProgramStart;
 use crate::results::steering;
-use crate::run::decompose::{Centres, bisect};
+use crate::run::decompose::{Before, Centres, bisect};
 use crate::run::embedded::{RENEW_AT, centres, deal, on_threads};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::ElemId;
@@ -111,7 +111,8 @@ fn repeated(dir: &Path) -> Result<(Repeated, KnownRun), Vec<String>> {
 
 /// Returns the boxes of the workers at the start.
 fn cut(model: &Model, workers: usize) -> Result<CutTree, String> {
-    bisect(&mut Centres(centres(model)), workers).map_err(|lost| lost.to_string())
+    bisect(&mut Centres(centres(model)), workers, Before::default())
+        .map_err(|lost| lost.to_string())
 }
 
 /// Cycles done, and time [time].

@@ -16,7 +16,7 @@ mod report;
 
 use crate::cli::ScaleArgs;
 use crate::input::job::{self, Model, Report};
-use crate::run::decompose::{Centres, ElementLoads, Load, bisect};
+use crate::run::decompose::{Before, Centres, ElementLoads, Load, bisect};
 use crate::run::embedded::{run_alone, time_side_by_side};
 use crate::run::progress::{Audience, ProgressDisplay, RunState};
 use crate::stdout::say;
@@ -228,11 +228,12 @@ fn sample(
     let costs = CostModel { kernels: &kernels, network };
     let alone = WorkerStep::new(&whole, [0.0; 2], None, costs);
     let mut load = load(engine, &kernels, &whole);
+    let before = Before { tree: None, side: engine.settings.buffer };
     let mut predictions = Vec::new();
     for &n in workers {
-        let tree = bisect(load.as_mut(), n).map_err(|lost| lost.to_string())?;
+        let tree = bisect(load.as_mut(), n, before).map_err(|lost| lost.to_string())?;
         let counts = count(engine, &tree, contact_cuts(engine, n, None)?);
-        let step = step(engine, &counts, n, costs, [alone.kernels, alone.search]);
+        let step = step(engine, &counts, n, costs, [alone.kernels(), alone.search]);
         predictions.push(Prediction {
             workers: n,
             counts,
@@ -245,7 +246,7 @@ fn sample(
     let typical = workers.iter().position(|&n| n >= TYPICAL).unwrap_or(workers.len() - 1);
     let (base, counts) = (workers[typical] as f64, predictions[typical].counts.clone());
     for p in &mut predictions {
-        let grown = step(engine, &counts, p.workers, costs, [alone.kernels, alone.search]);
+        let grown = step(engine, &counts, p.workers, costs, [alone.kernels(), alone.search]);
         p.scaled = alone.total() / base / grown.total;
     }
     let grows_by = whole.elements as f64 / base;

@@ -1,9 +1,10 @@
 //! Time of a step from counts, costs and a network. Pure arithmetic.
 //!
-//! A step takes as long as its slowest worker: own work, a latency for each of its messages
-//! (including the rounds of the global reduction), and its bytes over the bandwidth. These add
-//! up; no communication overlaps with work, as in `deploy/efficiency.py`. Redecomposition, ties,
-//! field files and cache effects are not included.
+//! Workers wait for each other before contact and after it. A step takes the largest time of
+//! elements and nodes, and then as long as the worker that is slowest in the rest: search, contact,
+//! a latency for each of its messages (including the rounds of the global reduction), and its bytes
+//! over the bandwidth. These add up; no communication overlaps with work, as in
+//! `deploy/efficiency.py`. Redecomposition, ties, field files and cache effects are not included.
 
 use super::census::Count;
 use super::kernels::Kernels;
@@ -30,8 +31,10 @@ pub struct CostModel<'a> {
 /// Step of a worker: times [s], and the messages and bytes that it sends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorkerStep {
-    /// Time of elements, nodes, candidates and pairs [s].
-    pub kernels: f64,
+    /// Time of elements and nodes [s].
+    pub motion: f64,
+    /// Time of candidates and pairs [s].
+    pub contact: f64,
     /// Time of the motion fit and of global searches [s].
     pub search: f64,
     /// Latency of the messages [s].
@@ -53,7 +56,8 @@ pub struct PredictedStep {
     pub useful: f64,
     /// Lost time, in the order of [`LOSSES`] [s].
     pub lost: [f64; LOSSES.len()],
-    /// Own work of the slowest worker without messages [s].
+    /// Largest own work without contact, and that of the slowest worker in contact, without messages
+    /// [s].
     pub own: f64,
     /// Largest number of messages and of bytes of a worker.
     pub messages: f64,
@@ -91,7 +95,8 @@ impl WorkerStep {
         let surface = units(count.segments + count.exterior_segments + count.slaves);
         let motion = if exchange.is_some() { k.motion * units(count.held) } else { 0.0 };
         Self {
-            kernels: elements + k.node * units(count.held) + local + contact * longer,
+            motion: elements + k.node * units(count.held),
+            contact: local + contact * longer,
             search: motion
                 + k.watch * units(count.held + count.exterior_nodes)
                 + k.search * surface,
@@ -102,9 +107,19 @@ impl WorkerStep {
         }
     }
 
+    /// Returns the time of elements, nodes, candidates and pairs [s].
+    pub fn kernels(&self) -> f64 {
+        self.motion + self.contact
+    }
+
     /// Returns the total time [s].
     pub fn total(&self) -> f64 {
-        self.kernels + self.search + self.latency + self.transfer
+        self.motion + self.after_motion()
+    }
+
+    /// Returns the time of contact with its search, and of all messages [s].
+    fn after_motion(&self) -> f64 {
+        self.contact + self.search + self.latency + self.transfer
     }
 }
 
@@ -113,15 +128,17 @@ impl PredictedStep {
     /// [s], for kernels and search.
     pub fn new(works: &[WorkerStep], alone: [f64; 2]) -> Self {
         let n = works.len() as f64;
-        let Some(slowest) = works.iter().max_by(|a, b| a.total().total_cmp(&b.total())) else {
-            return Self::default();
+        let by_time = |a: &&WorkerStep, b: &&WorkerStep| {
+            a.after_motion().total_cmp(&b.after_motion()).then(a.motion.total_cmp(&b.motion))
         };
+        let Some(slowest) = works.iter().max_by(by_time) else { return Self::default() };
         let mean = |f: fn(&WorkerStep) -> f64| works.iter().map(f).sum::<f64>() / n;
         let most = |f: fn(&WorkerStep) -> f64| works.iter().map(f).fold(0.0, f64::max);
-        let (kernels, search) = (mean(|w| w.kernels), mean(|w| w.search));
-        let own = slowest.kernels + slowest.search;
+        let (kernels, search) = (mean(WorkerStep::kernels), mean(|w| w.search));
+        let motion = most(|w| w.motion);
+        let own = motion + slowest.contact + slowest.search;
         Self {
-            total: slowest.total(),
+            total: motion + slowest.after_motion(),
             useful: (alone[0] + alone[1]) / n,
             lost: [
                 own - kernels - search,
@@ -174,7 +191,8 @@ mod tests {
             |latency| CostModel { kernels: &kernels, network: Network { latency, bandwidth: 1e9 } };
         let alone = WorkerStep::new(&count(800, 40), [0.0; 2], None, costs(0.0));
         assert!(
-            (alone.kernels - (800.0 * 1.2e-7 + 40.0 * 5e-8)).abs() < 1e-18 && alone.messages == 0.0
+            (alone.kernels() - (800.0 * 1.2e-7 + 40.0 * 5e-8)).abs() < 1e-18
+                && alone.messages == 0.0
         );
         let together = |counts: &[Count], traffic, latency| {
             let exchange = Some(TrafficEstimate::default());
@@ -182,7 +200,7 @@ mod tests {
                 .iter()
                 .map(|c| WorkerStep::new(c, traffic, exchange, costs(latency)))
                 .collect();
-            let step = PredictedStep::new(&works, [alone.kernels, alone.search]);
+            let step = PredictedStep::new(&works, [alone.kernels(), alone.search]);
             assert!(
                 (step.useful + step.lost.iter().sum::<f64>() - step.total).abs()
                     < 1e-12 * step.total
@@ -193,6 +211,11 @@ mod tests {
         assert!((even.efficiency() - 1.0).abs() < 1e-12);
         let uneven = together(&[count(500, 20), count(300, 20)], [0.0; 2], 0.0);
         assert_eq!((LOSSES[uneven.first_limit()], uneven.efficiency() < 0.81), ("imbalance", true));
+        // Two workers of the same time: each waits for the other once.
+        let apart = together(&[count(440, 0), count(380, 96)], [0.0; 2], 0.0);
+        let own = 440.0 * 1.2e-7 + 96.0 * 5e-8 + 380.0 * 1e-9; // the last is the watch over nodes
+        assert!((apart.own - own).abs() < 1e-18, "{}", apart.own);
+        assert_eq!(LOSSES[apart.first_limit()], "imbalance");
         let shared = Count { held: 450, ..count(400, 20) };
         let sharing = together(&[shared.clone(), shared], [0.0; 2], 0.0);
         assert_eq!(LOSSES[sharing.first_limit()], "shared work");

@@ -103,7 +103,7 @@ fn compare(model: &Model, cycles: u64) -> [u64; 2] {
     let (mut pairs, mut replicas) = (0, 0);
     for workers in [2, 4, 7] {
         let mut census = None;
-        let first = bisect(&mut Centres(centres(model)), workers).unwrap();
+        let first = bisect(&mut Centres(centres(model)), workers, Before::default()).unwrap();
         let mut first_contact = None;
         run_alone(model, |engine| {
             if engine.clock.cycle == 0 {
@@ -115,7 +115,7 @@ fn compare(model: &Model, cycles: u64) -> [u64; 2] {
                 // With a second decomposition elements stay in the boxes of the start.
                 let tree = match first_contact {
                     Some(_) => first.clone(),
-                    None => bisect(&mut Centres(centres), workers).unwrap(),
+                    None => bisect(&mut Centres(centres), workers, Before::default()).unwrap(),
                 };
                 let contact = contact_cuts(engine, workers, first_contact.as_ref()).unwrap();
                 census = Some((Census::new(engine, &tree, contact), tree));

@@ -237,7 +237,7 @@ impl ColumnFile {
         Some(Plot { title: "Time step".into(), unit, note: String::new(), lines })
     }
 
-    /// Plots the CPU time of the slowest worker over the mean of all, since the row before.
+    /// Plots the CPU time of the critical path over the mean of all workers, since the row before.
     fn imbalance(&self, workers: Option<u64>) -> Option<Plot> {
         let (all, critical) =
             (self.values("cpu of all workers")?, self.values("cpu of the critical path")?);
@@ -248,9 +248,9 @@ impl ColumnFile {
             if total > 0.0 { workers * rise(critical, i) / total } else { f64::NAN }
         };
         let values = (0..all.len()).map(of_row).collect();
-        let lines = vec![PlotLine { label: "slowest over mean".into(), values, steps: true }];
-        let note = "CPU time of the slowest worker of each cycle over the mean of all workers, \
-                    since the previous row. 1 is perfect balance.";
+        let lines = vec![PlotLine { label: "critical path over mean".into(), values, steps: true }];
+        let note = "Largest CPU time without contact plus the largest of contact, in each cycle, over \
+                    the mean of all workers, since the previous row. 1 is perfect balance.";
         Some(Plot {
             title: "Imbalance of workers".into(),
             unit: String::new(),
@@ -371,8 +371,8 @@ mod tests {
         );
         assert_eq!((line(2, "a, b"), plots.plots[2].unit.as_str()), (vec![0.0, 5.0], "kN"));
         assert_eq!(line(2, "a, b z"), [0.0, -4.0]);
-        assert_eq!(line(4, "slowest over mean")[1], 1.5);
-        assert!(line(4, "slowest over mean")[0].is_nan() && line(3, "dt")[1].is_nan());
+        assert_eq!(line(4, "critical path over mean")[1], 1.5);
+        assert!(line(4, "critical path over mean")[0].is_nan() && line(3, "dt")[1].is_nan());
         let json = serde_json::to_string(&plots).unwrap();
         assert!(json.contains(r#""values":[0.001,null]"#), "{json}");
         assert_eq!(

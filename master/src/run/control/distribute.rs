@@ -5,7 +5,7 @@ use crate::input::job::Model;
 use crate::results::fields;
 use crate::run::balance::Due;
 use crate::run::checkpoint::find::{self, Resumption};
-use crate::run::decompose::{ElementLoads, Workers, bisect, drifted};
+use crate::run::decompose::{Before, ElementLoads, Workers, bisect, drifted};
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::message::{Action, ToMaster, ToWorker};
@@ -51,7 +51,7 @@ pub(super) fn restore(
     await_ready(comm, RunError::Unusable)?;
     // The cost of a contact pair is not known yet.
     let mut load = Workers { comm, pair_s: 0.0, aside: Vec::new() };
-    let tree = bisect(&mut load, workers)?;
+    let tree = bisect(&mut load, workers, Before::default())?;
     order(comm, &ToWorker::Cuts(tree.clone()))?;
     await_ready(comm, RunError::Refused)?;
     Ok(tree)
@@ -115,9 +115,9 @@ impl Control<'_> {
             })
         };
         let centres: Vec<[f64; 3]> = elements.iter().map(centre).collect();
-        let load = |e| self.model.settings.load(e);
+        let load = |e| [self.model.settings.load(e), 0.0];
         let loads = centres.iter().copied().zip(elements.iter().map(load)).collect();
-        self.tree = bisect(&mut ElementLoads(loads), self.workers)?;
+        self.tree = bisect(&mut ElementLoads(loads), self.workers, Before::default())?;
         let mut shares = vec![Vec::new(); self.workers];
         for (e, &c) in elements.iter().zip(&centres) {
             shares[self.tree.worker_of(c)].push(*e);
@@ -170,7 +170,8 @@ impl Control<'_> {
         let _span = tracing::debug_span!("redecomposition", kind = "low").entered();
         let pair_s = self.balance.pair_seconds();
         let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
-        self.tree = bisect(&mut load, self.workers)?;
+        let before = Before { tree: Some(&self.tree), side: self.model.settings.buffer };
+        self.tree = bisect(&mut load, self.workers, before)?;
         let aside = load.aside;
         order(self.comm, &ToWorker::Cuts(self.tree.clone()))?;
         self.ready.clear();

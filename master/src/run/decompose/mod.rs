@@ -3,10 +3,11 @@
 
 mod rcb;
 
-pub use rcb::bisect;
+pub use rcb::{Before, bisect};
 
 use crumple_proto::boxes::{Aabb, Cut, CutTree};
 use crumple_proto::message::{ToMaster, ToWorker};
+use crumple_proto::report::StepLoads;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{await_message, post};
 
@@ -23,7 +24,7 @@ pub trait Load {
     /// A worker was lost.
     fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost>;
 
-    /// Returns the load per bin along an axis in leaf entries of the growing tree.
+    /// Returns the loads per bin along an axis in leaf entries of the growing tree.
     ///
     /// # Errors
     /// A worker was lost.
@@ -32,21 +33,20 @@ pub trait Load {
         tree: &CutTree,
         of: &[HistogramRange],
         bins: usize,
-    ) -> Result<Vec<Vec<f64>>, RankLost>;
+    ) -> Result<Vec<Vec<StepLoads>>, RankLost>;
 }
 
 /// Adds histograms bin by bin.
-fn add(sum: &mut [Vec<f64>], part: &[Vec<f64>]) {
-    for (s, p) in sum.iter_mut().zip(part) {
-        s.iter_mut().zip(p).for_each(|(a, b)| *a += b);
-    }
+fn add(sum: &mut [Vec<StepLoads>], part: &[Vec<StepLoads>]) {
+    let bins = sum.iter_mut().flatten().zip(part.iter().flatten());
+    bins.for_each(|(a, b)| (0..2).for_each(|kind| a[kind] += b[kind]));
 }
 
 /// Element centres in this process, all with equal load: those of the master before the start.
 pub struct Centres(pub Vec<[f64; 3]>);
 
-/// Element centres in this process, each with its load.
-pub struct ElementLoads(pub Vec<([f64; 3], f64)>);
+/// Element centres in this process, each with its loads.
+pub struct ElementLoads(pub Vec<([f64; 3], StepLoads)>);
 
 impl Load for Centres {
     fn extents(&mut self, tree: &CutTree, entries: &[usize]) -> Result<Vec<Aabb>, RankLost> {
@@ -58,8 +58,8 @@ impl Load for Centres {
         tree: &CutTree,
         of: &[HistogramRange],
         bins: usize,
-    ) -> Result<Vec<Vec<f64>>, RankLost> {
-        Ok(histograms(self.0.iter().map(|&c| (c, 1.0)), tree, of, bins))
+    ) -> Result<Vec<Vec<StepLoads>>, RankLost> {
+        Ok(histograms(self.0.iter().map(|&c| (c, [1.0, 0.0])), tree, of, bins))
     }
 }
 
@@ -73,7 +73,7 @@ impl Load for ElementLoads {
         tree: &CutTree,
         of: &[HistogramRange],
         bins: usize,
-    ) -> Result<Vec<Vec<f64>>, RankLost> {
+    ) -> Result<Vec<Vec<StepLoads>>, RankLost> {
         Ok(histograms(self.0.iter().copied(), tree, of, bins))
     }
 }
@@ -101,18 +101,19 @@ fn extents(
 }
 
 fn histograms(
-    loads: impl Iterator<Item = ([f64; 3], f64)>,
+    loads: impl Iterator<Item = ([f64; 3], StepLoads)>,
     tree: &CutTree,
     of: &[HistogramRange],
     bins: usize,
-) -> Vec<Vec<f64>> {
+) -> Vec<Vec<StepLoads>> {
     let place = places(tree, of.iter().map(|o| o.0));
-    let mut histograms = vec![vec![0.0; bins]; of.len()];
+    let mut histograms = vec![vec![[0.0; 2]; bins]; of.len()];
     for (c, load) in loads {
         let i = place[tree.entry_of(c)];
         if let Some(&(_, axis, lo, hi)) = of.get(i) {
             let at = (c[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
-            histograms[i][(at.max(0.0) as usize).min(bins - 1)] += load;
+            let bin = &mut histograms[i][(at.max(0.0) as usize).min(bins - 1)];
+            bin.iter_mut().zip(load).for_each(|(b, l)| *b += l);
         }
     }
     histograms
@@ -169,13 +170,13 @@ impl Load for Workers<'_> {
         tree: &CutTree,
         of: &[HistogramRange],
         bins: usize,
-    ) -> Result<Vec<Vec<f64>>, RankLost> {
+    ) -> Result<Vec<Vec<StepLoads>>, RankLost> {
         let (of_ranges, pair_s) = (of.to_vec(), self.pair_s);
         let question = ToWorker::Histograms { tree: tree.clone(), of: of_ranges, bins, pair_s };
         let answers = self.ask(&question, |m| {
             if let ToMaster::Histograms(h) = m { Ok(h) } else { Err(Box::new(m)) }
         })?;
-        let mut sum = vec![vec![0.0; bins]; of.len()];
+        let mut sum = vec![vec![[0.0; 2]; bins]; of.len()];
         answers.iter().for_each(|a| add(&mut sum, a));
         Ok(sum)
     }
