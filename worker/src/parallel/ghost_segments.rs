@@ -10,6 +10,7 @@ use crate::math::row::xyz;
 use crate::nodes::Nodes;
 use crate::parallel::ghosts::Ghosts;
 use crate::parallel::history_message::{Memories, put_histories, take_histories};
+use crate::parallel::reduction::near_pairs_decide;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::{NodeId, SegmentId};
@@ -47,12 +48,18 @@ impl WireNode {
 
 /// Returns the distance around a worker's own slaves and edges within which it gets ghost
 /// segments: the reach of the search, for the largest scale of any worker's surface, plus the
-/// reach of a smooth patch, plus the buffer [length].
+/// reach of a smooth patch, plus the buffer, plus half the skin if what comes near in the next steps
+/// limits the step ([`approach`]) [length].
+///
+/// [`approach`]: crate::contact::approach
 pub fn covered(settings: &Settings, surface: &Surface, largest_scale: f64) -> f64 {
+    let skin = settings.contact.as_ref().map_or(0.0, |c| c.skin);
+    let ahead = if near_pairs_decide(surface.thinnest, skin) { 0.5 * skin } else { 0.0 };
     contact::search_reach(&surface.interfaces, largest_scale, largest_scale)
         + surface.shift_reach()
         + surface.patch_reach()
         + settings.buffer
+        + ahead
 }
 
 /// Returns the box around a worker's own slaves, edges and, where segments touch segments, the

@@ -243,6 +243,19 @@ impl StepReduction {
 /// fifth.
 const OF_SKIN: f64 = 0.5 / (2.0 * crate::contact::approach::STEPS * 1.2);
 
+/// Returns true if pairs near each other can allow a longer step than the smallest scale of the
+/// surface, with a skin of the searches [length].
+pub fn near_pairs_decide(thinnest: f64, skin: f64) -> bool {
+    OF_SKIN * skin > 2.0 * thinnest
+}
+
+/// Returns the skin [length] with which nodes of these velocities do not shorten a step `dt` unless
+/// they are near each other; `None` if they do not shorten it for any skin. `thinnest` is the
+/// smallest scale of a segment [length], `spread` the largest velocity difference [length/time].
+pub fn skin_for(thinnest: f64, spread: f64, dt: f64) -> Option<f64> {
+    (dt * spread > 2.0 * thinnest).then(|| dt * spread / OF_SKIN)
+}
+
 /// Returns the largest step in which contact detects a pair before its slave passes through the
 /// target [time]. It is the larger of two steps. In the first, no two nodes of contact surfaces
 /// approach each other by more than the smallest sum of two scales; the reach of the local
@@ -285,6 +298,11 @@ mod tests {
         assert_eq!(step(2.0, 0.0, limits), 0.5 * OF_SKIN, "no near pair");
         assert_eq!(step(2.0, 50.0, limits), 0.02, "a near pair");
         assert_eq!(step(2.0, 100.0, limits), 0.01, "the fastest and thinnest pair");
+        let skin = skin_for(0.01, 2.0, 0.3).unwrap();
+        let limits_of_it = Limits { thinnest: 0.01, skin };
+        assert!((step(2.0, 0.0, limits_of_it) - 0.3).abs() < 1e-15, "a skin for this step");
+        assert!(near_pairs_decide(0.01, skin) && !near_pairs_decide(0.5, 1.0));
+        assert_eq!(skin_for(0.01, 2.0, 0.009), None, "no foil is passed in this step");
         assert_eq!(
             step(2.0, 0.0, Limits { thinnest: 0.5, ..limits }),
             0.5,

@@ -44,6 +44,7 @@ mod requirements;
 mod resolve;
 mod restart;
 mod rigid;
+mod search_skin;
 mod separate_bodies;
 mod sets;
 mod springs;
@@ -300,6 +301,10 @@ fn build(
         return None;
     }
     subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
+    let gives_skin = job.contact.as_ref().is_some_and(|contact| contact.skin > 0.0);
+    if let Some(quality) = quality.as_ref().filter(|_| !gives_skin) {
+        search_skin::widen(&mut settings, &mesh, &nodes, &elements, quality.median_side);
+    }
     loads::share_gravity(&job, &mesh, &mut settings, (&elements, &nodes));
     let mut warnings = placeholders::check(&job);
     warnings.extend(warnings::of_model(&job, &mesh, &settings, &elements, &nodes));

@@ -1,0 +1,93 @@
+//! A fragment at 300 m/s and a foil of 0.05 mm. They shorten the step while they are near each
+//! other only. Units mm, ms, kg.
+
+use crumple::input::job::{self, Model};
+use crumple_tests::{run_alone, run_side_by_side};
+use crumple_verification::scene::{Elastic, Scene};
+
+const THICKNESS: f64 = 0.05;
+const SPEED: f64 = 300.0;
+/// Distance of the fragment from the foil at the start.
+const APART: f64 = 160.0;
+
+/// A foil of 4 x 4 shells that is held along its rim, and a fragment of 2 x 2 shells above it, both
+/// with sides of 5 mm.
+fn scene(contact: &str, apart: f64) -> Model {
+    let mut scene = Scene::new(1.1 * apart / SPEED).in_units("mm, ms, kg");
+    scene.elastic("steel", Elastic { e: 207.0, nu: 0.3, rho: 7.85e-6 });
+    let sizes = [(1, 4, 0.0, 0.0), (2, 2, 6.3, apart)];
+    let [foil, fragment] = sizes.map(|(part, n, shift, z)| {
+        scene.part(part, "steel", THICKNESS, "");
+        let side = 5.0 * n as f64;
+        scene.grid(part, [n, n], |u, v| [side * u + shift, side * v + shift, z])
+    });
+    let rim = foil.rim();
+    scene.set_named("rim", &rim);
+    scene.set_named("fragment", fragment.all());
+    scene.start(fragment.all(), [0.0, 0.0, -SPEED], [0.0; 3]);
+    scene.add(contact);
+    scene.add("[[fix]]\nnodes = \"rim\"\ndofs = [\"x\", \"y\", \"z\"]");
+    let model = job::read_text("fragment.toml".into(), scene.text("Fragment and foil"), &[]);
+    model.unwrap_or_else(|report| panic!("{report}"))
+}
+
+#[test]
+fn a_fragment_far_from_a_foil_does_not_shorten_the_step() {
+    let (mut far, mut near, mut steps) = (f64::INFINITY, f64::INFINITY, 0);
+    let mut crossed = 0;
+    let elements = |e: &crumple_worker::engine::Engine| e.agreement.elements_dt;
+    let end = run_alone(&scene("[contact]", APART), |e| {
+        let heights = |nodes: std::ops::Range<usize>| nodes.map(|n| e.nodes.x[n][2]);
+        let foil = heights(0..25).fold(f64::NEG_INFINITY, f64::max);
+        let gap = heights(25..34).fold(f64::INFINITY, f64::min) - foil;
+        let share = e.clock.dt / elements(e);
+        // Before the first search the whole surface decides, and a step grows after 256 cycles.
+        match e.clock.cycle {
+            0..520 => {}
+            _ if gap > 2.0 => far = far.min(share),
+            _ if e.clock.dt > 0.0 => near = near.min(share),
+            _ => {} // the end
+        }
+        steps += 1;
+        let middle = e.nodes.x[29][2] - e.nodes.x[12][2];
+        crossed += usize::from(middle < -THICKNESS);
+    });
+    let safety = end.settings.safety;
+    assert!(far > 0.99 * safety, "far from each other: {far} of the step of the elements");
+    // A step moves the fragment by at most the sum of both halves, times the safety.
+    let limit = safety * THICKNESS / SPEED / elements(&end);
+    assert!((near / limit - 1.0).abs() < 0.01, "near each other: {near}, limit {limit}");
+    assert!(end.nodes.v[29][2] > -0.9 * SPEED, "the foil brakes it: {}", end.nodes.v[29][2]);
+    assert_eq!(crossed, 0, "of {steps} steps");
+}
+
+/// Wherever the last renewal before the impact is: a worker needs the foil as ghosts some steps
+/// before it touches.
+#[test]
+fn the_step_and_all_bits_are_those_of_one_worker() {
+    for apart in [0.0, 1.0, 2.0, 3.0, 4.0].map(|more| APART + more) {
+        let model = scene("[contact]", apart);
+        let of = |workers, force| run_side_by_side(&model, workers, u64::MAX, force).digest();
+        let alone = of(1, 0);
+        for (workers, force) in [(2, 0), (3, 0), (2, 50), (4, 70)] {
+            assert_eq!(of(workers, force), alone, "{apart}, {workers} workers, forced {force}");
+        }
+    }
+}
+
+/// A skin that the job gives is kept. With a narrow one the whole model decides.
+#[test]
+fn a_given_skin_is_not_widened() {
+    let skin = |contact: &str| scene(contact, APART).settings.contact.unwrap().skin;
+    assert_eq!(skin("[contact]\nskin = 1.25"), 1.25);
+    // The fragment moves 0.24 mm in a step of the elements; the factor is 19.2.
+    let wide = skin("[contact]");
+    assert!((3.0..=6.0).contains(&wide), "{wide}");
+    let mut least = f64::INFINITY;
+    run_alone(&scene("[contact]\nskin = 0.5", APART), |e| {
+        if e.clock.cycle == 20 {
+            least = e.clock.dt / e.agreement.elements_dt;
+        }
+    });
+    assert!(least < 0.3, "{least}");
+}
