@@ -168,7 +168,8 @@ pub struct ContactSummary {
 pub struct Cpu {
     /// Sum over cycles and workers.
     pub total: f64,
-    /// Sum over cycles of the largest time of a worker without contact, plus the largest of contact.
+    /// Sum over cycles of the largest time of a worker without contact, plus the largest of
+    /// contact.
     pub critical_path: f64,
     /// Redecompositions, maximum over workers.
     pub renewal: f64,

@@ -56,10 +56,10 @@ pub struct ContactInput {
     pub search: String,
     /// Distance that the global search looks beyond the reach, so that it need not run in every
     /// step [length]. 0 for a quarter of the median element side, or 0.4 of the largest thickness
-    /// if that is more, at most one median side; up to two median sides if initial velocities move a
-    /// node through the thinnest shell in one step of the elements. It changes the number and
-    /// duration of searches and which parts count as near. It changes the motion only where contact
-    /// limits the step.
+    /// if that is more, at most one median side; up to two median sides if initial velocities move
+    /// a node through the thinnest shell in one step of the elements. It changes the number and
+    /// duration of searches and which parts count as near. It changes the motion only where
+    /// contact limits the step.
     pub skin: f64,
     /// Distribution of a contact force to the nodes of a segment: `shape` (N_k) or `mass` (m_k/M2
     /// of Wang 2007, eq. 7). `mass` does not conserve angular momentum if the nodal masses of a

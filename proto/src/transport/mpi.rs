@@ -1,8 +1,8 @@
 //! Ranks as MPI processes. All calls come from the thread that initialised MPI.
 
 use super::rest::Rest;
-use super::wait::Patience;
-use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
+use super::wait::{Patience, WaitClock};
+use super::{RankLost, Tag, Traffic, Transport};
 use ::mpi::environment::Universe;
 use ::mpi::request::{Request, StaticScope, scope};
 use ::mpi::topology::SimpleCommunicator;
@@ -148,11 +148,10 @@ impl Transport for Mpi {
         if self.try_recv(from, tag, words)? {
             return Ok(());
         }
-        let before = thread_cpu();
-        let (start, patience) = (Instant::now(), self.patience.start());
+        let (mut clock, patience) = (WaitClock::start(), self.patience.start());
         let mut polls = true;
         while !self.try_recv(from, tag, words)? {
-            let waited = start.elapsed();
+            let waited = clock.elapsed();
             polls = waited < patience;
             if polls {
                 std::hint::spin_loop();
@@ -161,11 +160,11 @@ impl Transport for Mpi {
             }
         }
         if polls {
-            self.patience.record_success(start.elapsed());
+            self.patience.record_success(clock.elapsed());
         } else {
             self.patience.record_failure();
         }
-        self.wait_cpu += thread_cpu().saturating_sub(before);
+        self.wait_cpu += clock.cpu();
         Ok(())
     }
 

@@ -1,10 +1,10 @@
 //! Ranks as threads of one process, with a channel for every ordered pair of ranks.
 
-use super::wait::Patience;
-use super::{RankLost, Tag, Traffic, Transport, thread_cpu};
+use super::wait::{Patience, WaitClock};
+use super::{RankLost, Tag, Traffic, Transport};
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 type TaggedWords = (Tag, Vec<u64>);
 
@@ -103,14 +103,13 @@ impl Transport for Threads {
         if self.try_recv(from, tag, words)? {
             return Ok(());
         }
-        let before = thread_cpu();
-        let (start, patience) = (Instant::now(), self.patience.start());
-        while start.elapsed() < patience {
+        let (mut clock, patience) = (WaitClock::start(), self.patience.start());
+        while clock.elapsed() < patience {
             for _ in 0..LOOKS {
                 std::hint::spin_loop();
                 if self.try_recv(from, tag, words)? {
-                    self.patience.record_success(start.elapsed());
-                    self.wait_cpu += thread_cpu().saturating_sub(before);
+                    self.patience.record_success(clock.elapsed());
+                    self.wait_cpu += clock.cpu();
                     return Ok(());
                 }
             }
@@ -123,7 +122,7 @@ impl Transport for Threads {
                 Err(_) => break Err(RankLost { rank: from }),
             }
         };
-        self.wait_cpu += thread_cpu().saturating_sub(before);
+        self.wait_cpu += clock.cpu();
         self.deliver(parcel?, words);
         Ok(())
     }

@@ -5,7 +5,8 @@
 //! twice the longest wait that has ended while polling, and becomes shorter with each wait that has
 //! not.
 
-use std::time::Duration;
+use super::thread_cpu;
+use std::time::{Duration, Instant};
 
 /// Shortest and longest polling time.
 const SHORTEST: Duration = Duration::from_micros(4);
@@ -49,9 +50,61 @@ impl Patience {
     }
 }
 
+/// Polling time that counts as CPU time without a look at the CPU clock.
+const BRIEF: Duration = Duration::from_micros(16);
+
+/// CPU time of one wait. To read the CPU clock is a system call, which takes longer than many waits.
+/// So a brief wait, in which the rank polls and hardly ever loses its core, counts its wall time.
+pub struct WaitClock {
+    start: Instant,
+    /// CPU time when the wait was no longer brief.
+    later: Option<Duration>,
+}
+
+impl WaitClock {
+    /// Starts with the wait.
+    pub fn start() -> Self {
+        Self { start: Instant::now(), later: None }
+    }
+
+    /// Returns the wall time since the start. Call it at least once in [`BRIEF`] while polling, and
+    /// before the rank sleeps.
+    pub fn elapsed(&mut self) -> Duration {
+        let elapsed = self.start.elapsed();
+        if elapsed > BRIEF && self.later.is_none() {
+            self.later = Some(thread_cpu());
+        }
+        elapsed
+    }
+
+    /// Returns the CPU time since the start.
+    pub fn cpu(&self) -> Duration {
+        let polled = self.start.elapsed().min(BRIEF);
+        polled + self.later.map_or(Duration::ZERO, |later| thread_cpu().saturating_sub(later))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Polling is CPU time, sleep is none.
+    #[test]
+    fn the_clock_of_a_wait_counts_cpu_time() {
+        let mut brief = WaitClock::start();
+        while brief.elapsed() < BRIEF / 4 {}
+        assert!(brief.cpu() >= BRIEF / 4 && brief.cpu() <= BRIEF, "{:?}", brief.cpu());
+        let mut long = WaitClock::start();
+        let before = thread_cpu();
+        while thread_cpu() - before < Duration::from_millis(5) {
+            long.elapsed();
+        }
+        std::thread::sleep(Duration::from_millis(20));
+        let (wall, cpu) = (long.elapsed(), long.cpu());
+        assert!(wall >= Duration::from_millis(25), "{wall:?}");
+        let wanted = Duration::from_millis(4)..Duration::from_millis(10);
+        assert!(wanted.contains(&cpu), "{cpu:?}");
+    }
 
     #[test]
     fn polling_follows_the_waits() {

@@ -48,8 +48,8 @@ impl WireNode {
 
 /// Returns the distance around a worker's own slaves and edges within which it gets ghost
 /// segments: the reach of the search, for the largest scale of any worker's surface, plus the
-/// reach of a smooth patch, plus the buffer, plus half the skin if what comes near in the next steps
-/// limits the step ([`approach`]) [length].
+/// reach of a smooth patch, plus the buffer, plus half the skin if what comes near in the next
+/// steps limits the step ([`approach`]) [length].
 ///
 /// [`approach`]: crate::contact::approach
 pub fn covered(settings: &Settings, surface: &Surface, largest_scale: f64) -> f64 {

@@ -56,8 +56,8 @@ pub struct PredictedStep {
     pub useful: f64,
     /// Lost time, in the order of [`LOSSES`] [s].
     pub lost: [f64; LOSSES.len()],
-    /// Largest own work without contact, and that of the slowest worker in contact, without messages
-    /// [s].
+    /// Largest own work without contact, and that of the slowest worker in contact, without
+    /// messages [s].
     pub own: f64,
     /// Largest number of messages and of bytes of a worker.
     pub messages: f64,

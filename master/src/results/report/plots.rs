@@ -249,8 +249,8 @@ impl ColumnFile {
         };
         let values = (0..all.len()).map(of_row).collect();
         let lines = vec![PlotLine { label: "critical path over mean".into(), values, steps: true }];
-        let note = "Largest CPU time without contact plus the largest of contact, in each cycle, over \
-                    the mean of all workers, since the previous row. 1 is perfect balance.";
+        let note = "Largest CPU time without contact plus the largest of contact, in each cycle, \
+                    over the mean of all workers, since the previous row. 1 is perfect balance.";
         Some(Plot {
             title: "Imbalance of workers".into(),
             unit: String::new(),

@@ -29,7 +29,7 @@ const SHARED_COST: f64 = 0.6;
 /// most elements would change their worker, and measured loads scatter.
 const CLEAR_GAIN: f64 = 0.05;
 
-/// What a decomposition takes into account besides the load.
+/// State before a decomposition, besides the load.
 #[derive(Clone, Copy, Default)]
 pub struct Before<'a> {
     /// Last boxes, if there are any. Their axes are kept unless others are clearly better.
@@ -171,9 +171,9 @@ fn is_long(b: &Aabb, rank: usize) -> bool {
 }
 
 /// Returns the bin edge of a histogram at which a cut takes the least time, and its
-/// [`CutCandidate::excess`]. The lower side gets `fraction` (at most 0.5) of the workers. Of equally
-/// good edges the middle one is taken, so that a cut through empty space has a distance from both
-/// sides.
+/// [`CutCandidate::excess`]. The lower side gets `fraction` (at most 0.5) of the workers. Of
+/// equally good edges the middle one is taken, so that a cut through empty space has a distance
+/// from both sides.
 fn place(histogram: &[StepLoads], fraction: f64) -> (usize, f64) {
     let sum = |kind: usize| histogram.iter().map(|l| l[kind]).sum::<f64>();
     let all = [sum(0), sum(1)];
@@ -274,8 +274,8 @@ mod tests {
             let (even, tree) = cut(100.0, 2, Some(last));
             assert_eq!((even, axis(&tree)), (vec![[1000.0, 4000.0]; 2], axis(last)));
         }
-        // Of four workers two have the crushed ends, and as many elements as the others: with fewer
-        // elements they would wait for the others.
+        // Two of four workers have the crushed ends, and as many elements as the others: with
+        // fewer elements they would wait for the others.
         let (four, _) = cut(10.0, 4, Some(&across));
         let ends = four.iter().filter(|s| s[1] == 400.0).count();
         assert_eq!((ends, four.iter().map(|s| s[0]).fold(0.0, f64::max)), (2, 500.0), "{four:?}");
