@@ -46,7 +46,7 @@ LOW, HIGH = "low redecompositions", "high redecompositions"
 SHARES = {
     "useful": "work of the serial run",
     "extra": "work and cache misses that the serial run does not have",
-    "imbalance": "waiting for the slowest worker of each cycle",
+    "imbalance": "waiting for the slowest worker, without contact and in contact",
     "renewal": "redecompositions",
     "messages": "messages",
 }
@@ -420,7 +420,8 @@ def report(args, runs, results, marks, named):
         paragraph(
             "  - Critical path: the largest CPU time of one worker per cycle without contact, plus"
             " the largest one of contact, without waiting, summed over cycles. Workers wait for"
-            " each other between the two. The share of contact is measured in one of ten cycles."
+            " each other between the two, and in contact for each message, which is left out."
+            " The share of contact is measured in one of ten cycles."
             " Two effects make the true path somewhat shorter: an interrupt of one worker counts"
             " as imbalance, and on shared cores the caches are cold after each turn.",
             "    ",

@@ -9,7 +9,7 @@ Each figure is a CSV and a PNG, or pictures, in `papers/` in the folder of its s
 or in --out DIR. The script builds nothing: run `cargo build --release -p crumple` first, or name
 another program with --crumple. Charts need matplotlib, pictures pyvista (deploy/requirements.txt).
 
-measured: CPU time of the slowest worker in each cycle, without waiting, in runs on this machine.
+measured: CPU time of the critical path in each cycle, without waiting, in runs on this machine.
 More workers than cores take turns, so wall time shows nothing.
 modelled: `crumple scale` counts elements, nodes, pairs and messages of each worker and multiplies
 them by costs measured here on one worker; a message takes 2 us, and a connection carries 10 GB/s.
@@ -69,7 +69,7 @@ class Maker:
         return out
 
     def timed(self, scene, workers, sets=()):
-        """CPU seconds of the slowest worker per cycle in a run, by kind of work."""
+        """CPU seconds of the critical path per cycle in a run, by kind of work."""
         cycles = CYCLES[scene]
         sets = [
             f"time.max_cycles={cycles}",
@@ -149,7 +149,7 @@ def fixed(scene, name, title):
         header = ("workers", "kind", "elements per worker", "speed-up", "efficiency [%]")
         maker.write(scene, name, header, rows)
         curves = [
-            ("work of the slowest worker, measured", "o-", measured),
+            ("critical path, measured", "o-", measured),
             ("step with messages, modelled", "s--", modelled),
         ]
         ideal = [(1, 1), (MODEL_ON[-1], MODEL_ON[-1])]
@@ -182,7 +182,7 @@ def scaled(scene, name, title, grown):
         header = ("workers", "kind", "elements per worker", "scaled efficiency [%]")
         maker.write(scene, name, header, rows)
         curves = [
-            ("work of the slowest worker, measured", "o-", measured),
+            ("critical path, measured", "o-", measured),
             ("step with messages, modelled", "s--", modelled),
         ]
         labels = ("workers", "scaled efficiency [%]")
@@ -213,7 +213,7 @@ def grind(scene, name, title, grows):
             "elements",
             "grind time of elements [ns]",
             "grind time of contact [ns]",
-            "grind time of the slowest worker [ns]",
+            "grind time of the critical path [ns]",
             "efficiency [%]",
         )
         maker.write(scene, name, header, rows)
@@ -223,7 +223,7 @@ def grind(scene, name, title, grows):
         ]
         start = curves["elements"][0][1]
         ideal = [(n, start / n) for n in RUN_ON]
-        labels = ("workers", "CPU time per element and cycle, slowest worker [ns]")
+        labels = ("workers", "CPU time per element and cycle, critical path [ns]")
         maker.chart(scene, name, title, drawn, labels, ideal)
 
     return make

@@ -338,9 +338,9 @@ pub enum Phase {
     Renewal,
 }
 
-/// Load of a step in two parts: CPU time without contact, and of contact [s]. Contact begins with
-/// the velocities of ghosts, which their owners know after all their elements. So workers wait for
-/// each other between the two, and a step takes the largest time of each.
+/// Load of a step in two parts: CPU time without contact, and of contact [s]. Contact needs the
+/// velocities of ghosts. Their owners know them only when all their elements are computed. So
+/// workers wait for each other between the two, and a step takes the largest time of each.
 pub type StepLoads = [f64; 2];
 
 impl Phase {

@@ -292,7 +292,7 @@ fn find_candidates(
     let Some(contact) = contact else { return Ok(()) };
     contact.update_folds(nodes, clock.cycle);
     let time = (clock.time, cycle.steps.dt);
-    contact.refresh_candidates(nodes, constraints, time, agreement.elements_dt);
+    contact.refresh_candidates(nodes, constraints, time, agreement.limits());
     Ok(())
 }
 

@@ -109,7 +109,12 @@ fn contact() -> Work {
     let mut ends = threads::connect(2);
     Box::new(move || {
         let contact = e.contact.as_mut().expect("it has contact");
-        contact.refresh_candidates(&e.nodes, &e.constraints, (e.clock.time, steps.dt), steps.dt);
+        contact.refresh_candidates(
+            &e.nodes,
+            &e.constraints,
+            (e.clock.time, steps.dt),
+            [steps.dt; 2],
+        );
         contact.find_pairs(&e.nodes, &e.constraints, e.clock.time, steps);
         let comm = &mut ends[1];
         e.pair_exchange

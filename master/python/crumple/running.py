@@ -42,7 +42,7 @@ class Progress:
     pairs: int
     """Active contact pairs."""
     imbalance: float
-    """Largest over mean cost of the workers."""
+    """Critical path over the mean CPU time of the workers."""
 
     @property
     def fraction(self) -> float:

@@ -62,7 +62,8 @@ pub struct Extras {
     pub wall: f64,
     /// Sum over cycles and workers of the CPU time so far [s].
     pub cpu_total: f64,
-    /// Sum over cycles of the slowest worker's CPU time so far [s].
+    /// Sum over cycles of the largest CPU time without contact plus the largest of contact so far
+    /// [s].
     pub cpu_critical: f64,
     /// CPU time of redecompositions so far, maximum over workers [s].
     pub cpu_renewal: f64,

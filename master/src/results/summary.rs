@@ -360,7 +360,7 @@ pub struct Summary {
     pub thresholds: RedecompositionThresholds,
     /// Elements by class.
     pub classes: ElementClasses,
-    /// Maximum over mean step cost of the workers.
+    /// Critical path over the mean CPU time of the workers.
     pub imbalance: MeanMax,
     /// Contact.
     pub contact: ContactSummary,

@@ -68,9 +68,12 @@ pub struct Balance {
     last_imbalance: f64,
     /// Smoothed CPU time of contact forces in a cycle [s], and number of pairs, of each worker.
     contact: Vec<[f64; 2]>,
-    /// Smoothed share of contact in the CPU time of each worker, none before the first sample.
-    contact_share: Vec<Option<f64>>,
-    /// Time lost by waiting for the slowest worker since the last low redecomposition [s].
+    /// Share of contact in the CPU time of each worker, and the number of samples in it since the
+    /// last low redecomposition.
+    contact_share: Vec<(f64, u32)>,
+    /// Number of the order of the last low redecomposition, 0 before the first.
+    low_order: u64,
+    /// Time lost by waiting for other workers since the last low redecomposition [s].
     lost: f64,
     /// Cycle of the last low redecomposition, none before the first.
     last_low: Option<u64>,
@@ -139,6 +142,7 @@ impl Balance {
             last_imbalance: _,
             contact: _,
             contact_share: _,
+            low_order: _,
             lost: _,
             last_low: _,
             low_cost: _,
@@ -176,7 +180,8 @@ impl Balance {
             cycles: 0,
             last_imbalance: 1.0,
             contact: vec![[0.0; 2]; workers],
-            contact_share: vec![None; workers],
+            contact_share: vec![(0.0, 0); workers],
+            low_order: 0,
             lost: 0.0,
             last_low: None,
             low_cost: LOW_COST,
@@ -194,16 +199,20 @@ impl Balance {
         }
     }
 
-    /// Adds a worker's report. Its phases are measured in some cycles only, so their smoothed share
-    /// divides the time of each cycle.
+    /// Adds a worker's report. Its phases are measured in some cycles only, so the smoothed share
+    /// of contact divides the time of each cycle; it counts as 0 before the first sample.
     pub fn add_report(&mut self, worker: usize, report: StepReport) {
-        let [motion, contact] = step_loads(&report.phase_cpu);
-        let share = &mut self.contact_share[worker];
-        if motion + contact > 0.0 {
-            let now = contact / (motion + contact);
-            *share = Some(share.map_or(now, |mean| mean + NEWEST * (now - mean)));
+        let [rest, contact] = step_loads(&report.phase_cpu);
+        let (share, samples) = &mut self.contact_share[worker];
+        if self.last[worker].order < self.low_order && report.order >= self.low_order {
+            *samples = 0; // the first report with the new boxes
         }
-        let share = share.unwrap_or(0.0);
+        if rest + contact > 0.0 {
+            *samples += 1;
+            let newest = (1.0 / f64::from(*samples)).max(NEWEST);
+            *share += newest * (contact / (rest + contact) - *share);
+        }
+        let share = *share;
         let cycles =
             report.cpu.iter().map(|&c| [(1.0 - share) * f64::from(c), share * f64::from(c)]);
         self.waiting[worker].extend(cycles);
@@ -352,6 +361,7 @@ impl Balance {
             // The boxes stay, and so does most of the load: the window goes on.
             Due::High { .. } => self.high += 1,
             Due::Low { .. } => {
+                self.low_order = number;
                 self.begin_window();
                 self.last_imbalance = 1.0;
                 self.low += 1;
@@ -498,6 +508,27 @@ mod tests {
         b.add_report(0, StepReport { cpu: vec![1.0, 2.0], ..Default::default() });
         b.add_report(1, StepReport { cpu: vec![3.0, 1.0], ..Default::default() });
         assert_eq!((b.critical_s, b.total_s), (5.0, 7.0));
+    }
+
+    /// After a low redecomposition the share of contact is that of the new boxes.
+    #[test]
+    fn new_boxes_have_a_share_of_contact_of_their_own() {
+        let mut b = balance();
+        let with = |of_contact, order| {
+            let mut phase_cpu = [0.0; crumple_proto::report::PHASES.len()];
+            phase_cpu[Phase::Elements as usize] = 1.0 - of_contact;
+            phase_cpu[Phase::Contact as usize] = of_contact;
+            StepReport { phase_cpu, ..report(100, 1.0, 0.0, order) }
+        };
+        for _ in 0..20 {
+            b.add_report(0, with(0.5, 0));
+            b.add_report(1, with(0.0, 0));
+        }
+        assert!((b.imbalance() - 1.5).abs() < 1e-9, "{}", b.imbalance());
+        b.ordered(1, &Due::Low { why: String::new() });
+        b.add_report(0, with(0.25, 1));
+        b.add_report(1, with(0.25, 1));
+        assert!((b.imbalance() - 1.0).abs() < 1e-9, "{}", b.imbalance());
     }
 
     /// The sums of both workers are equal, but each waits for the other once per step.

@@ -25,7 +25,7 @@ pub struct RunState {
     pub error: f64,
     /// Number of active pairs.
     pub pairs: u64,
-    /// Maximum over mean step cost.
+    /// Critical path over the mean CPU time of the workers.
     pub imbalance: f64,
 }
 

@@ -135,7 +135,7 @@ pub struct Progress {
     pub energy: Energy,
     /// Active contact pairs.
     pub pairs: u64,
-    /// Maximum over mean step cost, mean over the run.
+    /// Critical path over the mean CPU time of the workers, in the whole run.
     pub imbalance: f64,
     /// Redecompositions so far: *low*, *high*.
     pub redecompositions: [u64; 2],

@@ -156,6 +156,7 @@ impl Transport for Mpi {
             if polls {
                 std::hint::spin_loop();
             } else {
+                clock.before_sleep();
                 self.rest.pause(waited);
             }
         }

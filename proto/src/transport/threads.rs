@@ -115,6 +115,7 @@ impl Transport for Threads {
             }
         }
         self.patience.record_failure();
+        clock.before_sleep();
         let parcel = loop {
             match self.from[from].recv() {
                 Ok((t, parcel)) if t == tag => break Ok(parcel),

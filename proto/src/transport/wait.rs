@@ -53,12 +53,14 @@ impl Patience {
 /// Polling time that counts as CPU time without a look at the CPU clock.
 const BRIEF: Duration = Duration::from_micros(16);
 
-/// CPU time of one wait. To read the CPU clock is a system call, which takes longer than many waits.
-/// So a brief wait, in which the rank polls and hardly ever loses its core, counts its wall time.
+/// CPU time of one wait. To read the CPU clock is a system call, which takes longer than many
+/// waits. So a brief wait, in which the rank polls and hardly ever loses its core, counts its wall
+/// time.
 pub struct WaitClock {
     start: Instant,
-    /// CPU time when the wait was no longer brief.
-    later: Option<Duration>,
+    /// Time for which the rank had polled when the wait was no longer brief, and the CPU clock
+    /// then.
+    later: Option<[Duration; 2]>,
 }
 
 impl WaitClock {
@@ -67,20 +69,28 @@ impl WaitClock {
         Self { start: Instant::now(), later: None }
     }
 
-    /// Returns the wall time since the start. Call it at least once in [`BRIEF`] while polling, and
-    /// before the rank sleeps.
+    /// Returns the wall time since the start. Call it at least once in [`BRIEF`] while polling.
     pub fn elapsed(&mut self) -> Duration {
         let elapsed = self.start.elapsed();
-        if elapsed > BRIEF && self.later.is_none() {
-            self.later = Some(thread_cpu());
+        if elapsed > BRIEF {
+            self.before_sleep();
         }
         elapsed
     }
 
+    /// Reads the CPU clock, unless it has been read. Call it before the rank sleeps.
+    pub fn before_sleep(&mut self) {
+        if self.later.is_none() {
+            self.later = Some([self.start.elapsed().min(BRIEF), thread_cpu()]);
+        }
+    }
+
     /// Returns the CPU time since the start.
     pub fn cpu(&self) -> Duration {
-        let polled = self.start.elapsed().min(BRIEF);
-        polled + self.later.map_or(Duration::ZERO, |later| thread_cpu().saturating_sub(later))
+        match self.later {
+            None => self.start.elapsed().min(BRIEF),
+            Some([polled, then]) => polled + thread_cpu().saturating_sub(then),
+        }
     }
 }
 
@@ -91,19 +101,27 @@ mod tests {
     /// Polling is CPU time, sleep is none.
     #[test]
     fn the_clock_of_a_wait_counts_cpu_time() {
+        let before = thread_cpu();
         let mut brief = WaitClock::start();
         while brief.elapsed() < BRIEF / 4 {}
-        assert!(brief.cpu() >= BRIEF / 4 && brief.cpu() <= BRIEF, "{:?}", brief.cpu());
+        let (cpu, all) = (brief.cpu(), thread_cpu() - before);
+        assert!(cpu >= BRIEF / 4 && cpu <= BRIEF + all, "{cpu:?} of {all:?}");
         let mut long = WaitClock::start();
         let before = thread_cpu();
         while thread_cpu() - before < Duration::from_millis(5) {
             long.elapsed();
         }
         std::thread::sleep(Duration::from_millis(20));
-        let (wall, cpu) = (long.elapsed(), long.cpu());
-        assert!(wall >= Duration::from_millis(25), "{wall:?}");
-        let wanted = Duration::from_millis(4)..Duration::from_millis(10);
-        assert!(wanted.contains(&cpu), "{cpu:?}");
+        let (cpu, all) = (long.cpu(), thread_cpu() - before);
+        assert!(cpu + Duration::from_millis(1) >= all, "polling counts: {cpu:?} of {all:?}");
+        assert!(cpu <= all + BRIEF, "sleep does not: {cpu:?} of {all:?}");
+        // A rank without a core of its own sleeps at once.
+        let before = thread_cpu();
+        let mut asleep = WaitClock::start();
+        asleep.before_sleep();
+        std::thread::sleep(Duration::from_millis(20));
+        let (cpu, all) = (asleep.cpu(), thread_cpu() - before);
+        assert!(cpu <= all, "only what it used: {cpu:?} of {all:?}");
     }
 
     #[test]

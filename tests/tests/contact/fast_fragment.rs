@@ -41,9 +41,10 @@ fn a_fragment_far_from_a_foil_does_not_shorten_the_step() {
         let foil = heights(0..25).fold(f64::NEG_INFINITY, f64::max);
         let gap = heights(25..34).fold(f64::INFINITY, f64::min) - foil;
         let share = e.clock.dt / elements(e);
-        // Before the first search the whole surface decides, and a step grows after 256 cycles.
+        // The whole surface decides the first step, and a step grows for the first time at cycle
+        // 512. The search looks four steps of 0.26 mm ahead.
         match e.clock.cycle {
-            0..520 => {}
+            0..=512 => {}
             _ if gap > 2.0 => far = far.min(share),
             _ if e.clock.dt > 0.0 => near = near.min(share),
             _ => {} // the end
@@ -53,9 +54,11 @@ fn a_fragment_far_from_a_foil_does_not_shorten_the_step() {
         crossed += usize::from(middle < -THICKNESS);
     });
     let safety = end.settings.safety;
-    assert!(far > 0.99 * safety, "far from each other: {far} of the step of the elements");
+    // Sides change by 1e-3 in flight.
+    assert!((far / safety - 1.0).abs() < 2e-3, "far from each other: {far} of the elements' step");
     // A step moves the fragment by at most the sum of both halves, times the safety.
     let limit = safety * THICKNESS / SPEED / elements(&end);
+    // The foil and the fragment vibrate with some percent of the speed.
     assert!((near / limit - 1.0).abs() < 0.01, "near each other: {near}, limit {limit}");
     assert!(end.nodes.v[29][2] > -0.9 * SPEED, "the foil brakes it: {}", end.nodes.v[29][2]);
     assert_eq!(crossed, 0, "of {steps} steps");
@@ -75,14 +78,27 @@ fn the_step_and_all_bits_are_those_of_one_worker() {
     }
 }
 
+/// The fragment reaches the foil just when the step grows, for the first time at cycle 512: the
+/// search must look as far ahead as the longer steps go.
+#[test]
+fn a_step_does_not_grow_over_a_foil() {
+    for apart in (0..40).map(|i| 22.9 + 0.0125 * f64::from(i)) {
+        let mut least = f64::INFINITY;
+        run_alone(&scene("[contact]", apart), |e| {
+            least = least.min(e.nodes.x[29][2] - e.nodes.x[12][2]);
+        });
+        assert!(least > -THICKNESS, "{apart}: the fragment is {least} over the foil");
+    }
+}
+
 /// A skin that the job gives is kept. With a narrow one the whole model decides.
 #[test]
 fn a_given_skin_is_not_widened() {
     let skin = |contact: &str| scene(contact, APART).settings.contact.unwrap().skin;
     assert_eq!(skin("[contact]\nskin = 1.25"), 1.25);
-    // The fragment moves 0.24 mm in a step of the elements; the factor is 19.2.
+    // The step of the elements is 0.856 us, in which the fragment moves by 0.257 mm.
     let wide = skin("[contact]");
-    assert!((3.0..=6.0).contains(&wide), "{wide}");
+    assert!((wide / (19.2 * 0.257) - 1.0).abs() < 0.01, "{wide}");
     let mut least = f64::INFINITY;
     run_alone(&scene("[contact]\nskin = 0.5", APART), |e| {
         if e.clock.cycle == 20 {

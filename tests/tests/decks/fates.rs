@@ -301,6 +301,21 @@ fn implicit_decks_hear_that_the_code_is_explicit() {
     assert!(said(&model).contains("the deck is explicit"), "{}", said(&model));
 }
 
+/// A relaxation before the run is refused; without one its card and those on the division of the
+/// model change nothing.
+#[test]
+fn relaxation_and_division_of_a_model() {
+    let cards = |flag: i32| {
+        based(&format!("*CONTROL_DAMPING\n0,,,,,,,{flag}\n*CONTROL_MPP_DECOMPOSITION_SHOW\n1\n"))
+    };
+    let report = refused(&cards(1));
+    assert!(report.contains("`idrflg` = 1 is not supported"), "{report}");
+    for flag in [0, -999] {
+        let model = reading(&cards(flag), &[]).unwrap_or_else(|report| panic!("{report}"));
+        assert!(said(&model).contains("*CONTROL_MPP_DECOMPOSITION_SHOW is not read"));
+    }
+}
+
 /// The option MORTAR of contacts without such a law, and of ties, is named.
 #[test]
 fn mortar_contacts_without_a_law_are_the_plain_ones() {

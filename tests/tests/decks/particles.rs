@@ -86,7 +86,7 @@ fn other_fields_become_keys() {
     let shocks = fluid(&with(&changed(&[("*EOS_MURNAGHAN\n3,7.0,0.343\n", shocks)])));
     assert_eq!(shocks.hugoniot, Some([1.92, -0.1, 0.2, 0.5, 0.3]));
     assert_eq!((shocks.sound_speed, shocks.exponent), (1647.0, None));
-    let control = "*CONTROL_SPH\n2,,,3,200,2\n";
+    let control = "*CONTROL_SPH\n2,,,3,200,2,,1e18\n";
     assert_eq!(fluid(&with(&format!("{}{control}", changed(&[])))), fluid(&with(&changed(&[]))));
 }
 
@@ -156,6 +156,7 @@ fn wrong_cards_are_named() {
         (&[(ELEMENTS, "*CONTROL_SPH\n,,,2\n*ELEMENT_SPH\n31,3,8.0e-6\n")], "`idim` = 2"),
         (&[(ELEMENTS, "*CONTROL_SPH\n,,,,,7\n*ELEMENT_SPH\n31,3,8.0e-6\n")], "`form` = 7"),
         (&[(ELEMENTS, "*CONTROL_SPH\n\n1\n*ELEMENT_SPH\n31,3,8.0e-6\n")], "`cont` = 1"),
+        (&[(ELEMENTS, "*CONTROL_SPH\n,,,,,,,1e5\n*ELEMENT_SPH\n31,3,8.0e-6\n")], "`maxv` = 100000"),
     ];
     for (changes, what) in cases {
         let said = refused(&changed(changes));

@@ -209,7 +209,8 @@ fn a_second_decomposition_divides_the_contact_nodes_evenly_and_elements_stay() {
     assert!(looked.iter().any(|l| l.2 > l.1 / 10), "no worker searches for many nodes of others");
 }
 
-/// A skin only saves time: candidates that are not in contact do not change the result.
+/// Where contact does not limit the step, a skin only saves time: candidates that are not in
+/// contact do not change the result.
 #[test]
 fn how_far_candidates_are_collected_changes_no_bit() {
     for (name, cycles, skins) in

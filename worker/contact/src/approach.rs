@@ -32,7 +32,7 @@ pub fn speed(nodes: &Nodes, ahead: &[u32], behind: &[u32]) -> f64 {
 /// Returns the relative velocity of a slave and a segment over their scales, 0 if the slave is
 /// too far away to count [1/time]. `scale` is the sum of both scales, `added` what shifts add to
 /// the reach ([`Surface::shift_reach`](super::surface::Surface::shift_reach)) [length], `dt` the
-/// step size [time].
+/// longest step to which the present one can grow [time].
 pub fn rate(
     nodes: &Nodes,
     slave: u32,

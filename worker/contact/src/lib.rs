@@ -272,14 +272,14 @@ impl Contact {
 
     /// Updates the candidates if the motion of nodes may have used up the skin of the search,
     /// and the near list if the motion may have used up its own skin. Also computes
-    /// [`Self::approach`]. `dt` is the step size and `stable` the stable step of the elements
-    /// [time].
+    /// [`Self::approach`]. `dt` is the step size, `stable` the limit of the step due to the
+    /// elements, and `limit` that due to contact [time].
     pub fn refresh_candidates(
         &mut self,
         nodes: &Nodes,
         joined: &dyn Exclusions,
         (time, dt): (f64, f64),
-        stable: f64,
+        [stable, limit]: [f64; 2],
     ) {
         let velocities =
             VectorRange::from_vectors(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
@@ -287,8 +287,11 @@ impl Contact {
         // If this is false, no node passes the thinnest segment within one stable step of the
         // elements.
         let fast = stable * spread > self.surface.thinnest;
-        self.refresh(nodes, joined, dt * spread, fast);
-        self.approach = if fast { self.approach_rate(nodes, time, dt) } else { 0.0 };
+        // A step can grow to its limits at once.
+        let longest = dt.max(stable.min(limit));
+        let ahead = if fast { longest * spread } else { 0.0 };
+        self.refresh(nodes, joined, dt * spread, ahead);
+        self.approach = if fast { self.approach_rate(nodes, time, longest) } else { 0.0 };
     }
 
     /// Returns the largest rate at which slaves pass near segments [1/time].
@@ -313,12 +316,15 @@ impl Contact {
         of_nodes.max(self.edges.approach_rate(nodes, s, (time, dt)))
     }
 
-    fn refresh(&mut self, nodes: &Nodes, joined: &dyn Exclusions, step: f64, fast: bool) {
+    /// Updates the lists for nodes that move by at most `step` against each other in this step, and
+    /// by `longest` in one of the next steps [length]; `longest` is 0 if no node can pass a
+    /// segment.
+    fn refresh(&mut self, nodes: &Nodes, joined: &dyn Exclusions, step: f64, longest: f64) {
         let fresh = self.candidates.are_known();
         // The candidates must include all that can come near in the next steps. If this needs
         // more than half the skin, the step is limited by the whole surface instead.
-        let ahead = approach::STEPS * (2.0 * step).max(self.near_list.step);
-        let ahead = if fast && ahead <= 0.5 * self.skin { ahead } else { 0.0 };
+        let ahead = approach::STEPS * (2.0 * longest).max(self.near_list.step);
+        let ahead = if longest > 0.0 && ahead <= 0.5 * self.skin { ahead } else { 0.0 };
         let is_valid = |moved: f64| {
             let used_up = self.motion_before_near_list + moved + ahead > self.skin;
             moved <= self.near_list.skin && step <= self.near_list.step && !used_up

@@ -261,22 +261,26 @@ impl ContactParts {
             * if own.thickness > 0.0 { own.thickness } else { of_part }
     }
 
-    /// Returns the half thickness of a shell in contact [length], without the limit by its
-    /// sides; `None` if its part takes no part. The value of a solid has no meaning.
-    pub fn half_thickness(&self, record: &ElementRecord) -> Option<f64> {
-        let (of_part, instead, scale) = self.half[record.part as usize]?;
-        let half = if record.own.thickness > 0.0 && !instead {
-            0.5 * record.own.thickness
-        } else {
-            of_part
-        };
+    /// Returns the half thickness in contact of a shell of a part [length], without the limit by
+    /// its sides; `None` if the part takes no part in contact. `own` is its individual thickness, 0
+    /// without one [length]. The value of a solid has no meaning.
+    pub fn half_thickness(&self, part: u32, own: f64) -> Option<f64> {
+        let (of_part, instead, scale) = self.half[part as usize]?;
+        let half = if own > 0.0 && !instead { 0.5 * own } else { of_part };
         Some(half * scale)
+    }
+
+    /// Returns the smallest value in any interface of a half thickness [length].
+    pub fn least(&self, half: f64) -> f64 {
+        self.interfaces.least(half)
     }
 }
 
 /// Returns the segments of an element.
 pub fn segments_of(e: &LocalElement, nodes: &Nodes, parts: &ContactParts) -> Vec<Segment> {
-    let Some(half) = parts.half_thickness(&e.record).filter(|_| !e.record.failed) else {
+    let Some(half) =
+        parts.half_thickness(e.record.part, e.record.own.thickness).filter(|_| !e.record.failed)
+    else {
         return Vec::new();
     };
     let shape = e.record.shape;
@@ -333,7 +337,8 @@ fn line_of(e: &LocalElement, nodes: &Nodes, radius: f64, limit: f64) -> Option<S
 /// Returns the node and the part of a particle in contact, and its radius [length].
 fn point_of(e: &LocalElement, parts: &ContactParts) -> Option<((u32, u32), f64)> {
     let is_point = e.record.shape == Shape::Point1 && !e.record.failed;
-    let radius = parts.half_thickness(&e.record).filter(|_| is_point)?;
+    let radius =
+        parts.half_thickness(e.record.part, e.record.own.thickness).filter(|_| is_point)?;
     Some(((e.nodes[0], e.record.part), radius))
 }
 
@@ -403,7 +408,7 @@ impl Surface {
         let takes_part = |e: &&LocalElement| {
             e.record.shape.is_solid()
                 && !e.record.failed
-                && parts.half_thickness(&e.record).is_some()
+                && parts.half_thickness(e.record.part, e.record.own.thickness).is_some()
         };
         for e in elements.filter(takes_part) {
             self.hidden.extend(&e.nodes[..e.record.shape.corners()]);

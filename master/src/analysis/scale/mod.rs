@@ -228,7 +228,7 @@ fn sample(
     let costs = CostModel { kernels: &kernels, network };
     let alone = WorkerStep::new(&whole, [0.0; 2], None, costs);
     let mut load = load(engine, &kernels, &whole);
-    let before = Before { tree: None, side: engine.settings.buffer };
+    let before = Before { tree: None, buffer: engine.settings.buffer };
     let mut predictions = Vec::new();
     for &n in workers {
         let tree = bisect(load.as_mut(), n, before).map_err(|lost| lost.to_string())?;

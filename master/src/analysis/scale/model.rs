@@ -32,7 +32,7 @@ pub struct CostModel<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorkerStep {
     /// Time of elements and nodes [s].
-    pub motion: f64,
+    pub elements: f64,
     /// Time of candidates and pairs [s].
     pub contact: f64,
     /// Time of the motion fit and of global searches [s].
@@ -95,7 +95,7 @@ impl WorkerStep {
         let surface = units(count.segments + count.exterior_segments + count.slaves);
         let motion = if exchange.is_some() { k.motion * units(count.held) } else { 0.0 };
         Self {
-            motion: elements + k.node * units(count.held),
+            elements: elements + k.node * units(count.held),
             contact: local + contact * longer,
             search: motion
                 + k.watch * units(count.held + count.exterior_nodes)
@@ -109,16 +109,16 @@ impl WorkerStep {
 
     /// Returns the time of elements, nodes, candidates and pairs [s].
     pub fn kernels(&self) -> f64 {
-        self.motion + self.contact
+        self.elements + self.contact
     }
 
     /// Returns the total time [s].
     pub fn total(&self) -> f64 {
-        self.motion + self.after_motion()
+        self.elements + self.rest()
     }
 
     /// Returns the time of contact with its search, and of all messages [s].
-    fn after_motion(&self) -> f64 {
+    fn rest(&self) -> f64 {
         self.contact + self.search + self.latency + self.transfer
     }
 }
@@ -128,17 +128,15 @@ impl PredictedStep {
     /// [s], for kernels and search.
     pub fn new(works: &[WorkerStep], alone: [f64; 2]) -> Self {
         let n = works.len() as f64;
-        let by_time = |a: &&WorkerStep, b: &&WorkerStep| {
-            a.after_motion().total_cmp(&b.after_motion()).then(a.motion.total_cmp(&b.motion))
-        };
-        let Some(slowest) = works.iter().max_by(by_time) else { return Self::default() };
+        let by_rest = |a: &&WorkerStep, b: &&WorkerStep| a.rest().total_cmp(&b.rest());
+        let Some(slowest) = works.iter().max_by(by_rest) else { return Self::default() };
         let mean = |f: fn(&WorkerStep) -> f64| works.iter().map(f).sum::<f64>() / n;
         let most = |f: fn(&WorkerStep) -> f64| works.iter().map(f).fold(0.0, f64::max);
         let (kernels, search) = (mean(WorkerStep::kernels), mean(|w| w.search));
-        let motion = most(|w| w.motion);
-        let own = motion + slowest.contact + slowest.search;
+        let elements = most(|w| w.elements);
+        let own = elements + slowest.contact + slowest.search;
         Self {
-            total: motion + slowest.after_motion(),
+            total: elements + slowest.rest(),
             useful: (alone[0] + alone[1]) / n,
             lost: [
                 own - kernels - search,
@@ -212,8 +210,8 @@ mod tests {
         let uneven = together(&[count(500, 20), count(300, 20)], [0.0; 2], 0.0);
         assert_eq!((LOSSES[uneven.first_limit()], uneven.efficiency() < 0.81), ("imbalance", true));
         // Two workers of the same time: each waits for the other once.
-        let apart = together(&[count(440, 0), count(380, 96)], [0.0; 2], 0.0);
-        let own = 440.0 * 1.2e-7 + 96.0 * 5e-8 + 380.0 * 1e-9; // the last is the watch over nodes
+        let apart = together(&[count(440, 0), count(400, 96)], [0.0; 2], 0.0);
+        let own = 440.0 * 1.2e-7 + 96.0 * 5e-8 + 400.0 * 1e-9; // the last is the watch over nodes
         assert!((apart.own - own).abs() < 1e-18, "{}", apart.own);
         assert_eq!(LOSSES[apart.first_limit()], "imbalance");
         let shared = Count { held: 450, ..count(400, 20) };

@@ -131,7 +131,7 @@ fn csv(samples: &[ScaleSample]) -> String {
          held nodes most,copied nodes most,copied segments most,neighbours most,\
          workers near most,workers with copies of pairs most,near candidates most,pairs most,\
          messages most,messages to all others,bytes most,\
-         step [us],own work of the slowest [us],efficiency [%],scaled efficiency [%]",
+         step [us],own work of the critical path [us],efficiency [%],scaled efficiency [%]",
     );
     LOSSES.iter().for_each(|name| out += &format!(",{name} [%]"));
     out.push('\n');

@@ -1,6 +1,6 @@
 //! The table of keywords as a page; a test keeps `cases/DECKS.md` equal to it.
 
-use super::keywords::{FAMILIES, OUTPUT};
+use super::keywords::{DIVISION, FAMILIES, OUTPUT};
 use super::table::{Card, Effect, Field, FieldFate, FieldType, Keyword, Times};
 use std::fmt::Write;
 
@@ -23,7 +23,8 @@ fn write(page: &mut String) -> std::fmt::Result {
     let output: Vec<String> = OUTPUT.iter().map(|o| format!("`{o}`")).collect();
     writeln!(
         page,
-        "\nOther keywords that begin with {} request output;\neach gives a warning.",
+        "\nOther keywords that begin with {} request output,\nand those that begin with \
+         `{DIVISION}` divide the model among processes;\neach gives a warning.",
         output.join(", ")
     )?;
     writeln!(

@@ -132,6 +132,7 @@ const ROLES: &[(&str, &str)] = &[
     ("ELEMENT_SPH", "mass=m nend=#n"),
     ("SECTION_SPH", "cslh=1 hmin=1 hmax=1 sphini=l death=t start=t sphkern=1"),
     ("CONTROL_SPH", "idim=1 form=1 dt=t start=t maxv=v ql=1"),
+    ("CONTROL_DYNAMIC_RELAXATION", "irelal=1 idrflg=1 drtol=1 drfctr=1 drterm=t tssfdr=1 edttl=1"),
     (
         "PART",
         "grav=1 adpopt=1 xc=@x tm=m ircs=1 vtx=@v vrx=@w ixx=i ixy=i ixz=i iyy=i iyz=i izz=i \

@@ -138,9 +138,9 @@ fn plots_of(read: WorkerColumns, rows: usize, limits: Option<RedecompositionLimi
         plot(
             "Load of workers",
             "of the mean",
-            "CPU time of a cycle over the mean of all workers; imbalance: the largest since the \
-             master last judged it. The master orders a low redecomposition above the limit, if \
-             it pays.",
+            "CPU time of a cycle over the mean of all workers; imbalance: the largest without \
+             contact plus the largest of contact, since the master last judged it. The master \
+             orders a low redecomposition above the limit, if it pays.",
             loads,
         ),
     ]

@@ -170,7 +170,7 @@ impl Control<'_> {
         let _span = tracing::debug_span!("redecomposition", kind = "low").entered();
         let pair_s = self.balance.pair_seconds();
         let mut load = Workers { comm: self.comm, pair_s, aside: Vec::new() };
-        let before = Before { tree: Some(&self.tree), side: self.model.settings.buffer };
+        let before = Before { tree: Some(&self.tree), buffer: self.model.settings.buffer };
         self.tree = bisect(&mut load, self.workers, before)?;
         let aside = load.aside;
         order(self.comm, &ToWorker::Cuts(self.tree.clone()))?;

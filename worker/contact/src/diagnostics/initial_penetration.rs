@@ -276,8 +276,10 @@ fn thinned(
     surface: &Surface,
 ) -> Option<(usize, f64)> {
     let parts = ContactParts::from_settings(settings);
-    let given: HashMap<ElemId, f64> =
-        elements.iter().filter_map(|e| Some((e.id, parts.half_thickness(e)?))).collect();
+    let given: HashMap<ElemId, f64> = elements
+        .iter()
+        .filter_map(|e| Some((e.id, parts.half_thickness(e.part, e.own.thickness)?)))
+        .collect();
     let shells = surface.segments.iter().filter(|s| !s.is_solid());
     let shares = shells
         .map(|s| s.half_thickness / given.get(&s.id.elem()).copied().unwrap_or(s.half_thickness))

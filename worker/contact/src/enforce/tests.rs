@@ -156,7 +156,7 @@ impl Scene {
             nodes.force[j][2] -= tension;
         }
         nodes.accelerate(steps.dt_velocity);
-        contact.refresh_candidates(nodes, &Free, (0.0, steps.dt), steps.dt);
+        contact.refresh_candidates(nodes, &Free, (0.0, steps.dt), [steps.dt; 2]);
         contact.find_pairs(nodes, &Free, 0.0, *steps);
         contact.table.index_by_node();
         let before = contact.sweeps;

@@ -57,6 +57,13 @@ impl DeckConverter {
             }
             self.step_limit(&record);
         }
+        for record in self.take_one("CONTROL_DYNAMIC_RELAXATION") {
+            if record.integer("idrflg") > 0 {
+                let why = "a relaxation before the run; run the preload in the time of the run, \
+                           with time.damping";
+                self.unsupported_value(&record, "idrflg", why);
+            }
+        }
         for record in self.take_one("DATABASE_GLSTAT").into_iter().filter(|r| r.real("dt") > 0.0) {
             self.tree.set_in("output", "history_interval", record.place("dt"), record.real("dt"));
         }

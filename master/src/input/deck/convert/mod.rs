@@ -302,15 +302,13 @@ impl DeckConverter {
                     if left_out(row.keyword.name)
                         || row.keyword.aliases.iter().any(|alias| left_out(alias)) => {}
                 Some((row, options)) => self.block(texts, block, row, &options, &mut parameters),
-                None if keywords::is_output(&block.name) => {
-                    let message = format!("*{} is not read", block.name);
-                    let help = "docs/guide/output.md lists the output of a run; set its intervals \
-                        in [output] of a job";
-                    self.trouble.warn_once(&block.name, block.place(), message, help);
-                }
-                None => {
-                    self.unknown(texts, block);
-                }
+                None => match keywords::instead_of(&block.name) {
+                    Some(help) => {
+                        let message = format!("*{} is not read", block.name);
+                        self.trouble.warn_once(&block.name, block.place(), message, help);
+                    }
+                    None => self.unknown(texts, block),
+                },
             }
         }
     }

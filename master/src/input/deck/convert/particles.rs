@@ -17,6 +17,10 @@ const NOT_LINEAR: [&str; 5] = ["c2", "c3", "c4", "c5", "c6"];
 /// digits or more.
 const EQUAL: f64 = 1e-6;
 
+/// Speed of particles from which on a limit is none, in the units of any deck: light in mm/s has
+/// 3e11.
+const FASTEST: f64 = 1e12;
+
 /// Forms of the sums for fluids that are not those of the engine.
 const OTHER_FORMS: [i64; 6] = [1, 3, 5, 6, 15, 16];
 
@@ -151,6 +155,10 @@ impl DeckConverter {
             if ![0, 3].contains(&record.integer("idim")) {
                 let why = "particles move in three dimensions; use 3";
                 self.unsupported_value(&record, "idim", why);
+            }
+            if record.real("maxv") < FASTEST {
+                let why = "particles are not deleted at a speed; leave it blank";
+                self.unsupported_value(&record, "maxv", why);
             }
             match record.integer("form") {
                 0 | 2 => {}

@@ -175,13 +175,21 @@ pub const KEYWORDS: &[Keyword] = &[
         "`units`, also those of blanks: m, s, kg. Numbers are not converted",
     )
     .unused(&[no_effect("temp card", "values have the units of the deck")]),
+    Keyword::new(
+        "CONTROL_DYNAMIC_RELAXATION",
+        &[("nrcyck:i=250 drtol:r drfctr:r drterm:r tssfdr:r irelal:i edttl:r idrflg:i", Maybe)],
+        "idrflg has to be 0 or negative: there is no phase of relaxation before the run",
+    )
+    .aliases(&["CONTROL_DAMPING"])
+    .unused(&[no_effect(
+        "nrcyck drtol drfctr drterm tssfdr irelal edttl",
+        "they are for a relaxation before the run",
+    )]),
     harmless("CONTROL_ACCURACY", "not used: results do not depend on any order"),
     harmless("CONTROL_CPU", "not used"),
     harmless("CONTROL_SOLID", "not used"),
     harmless("CONTROL_SOLUTION", "not used"),
     harmless("CONTROL_PARALLEL", "not used: set `parallel.workers`, or give --workers"),
-    harmless("CONTROL_MPP_DECOMPOSITION_METHOD", "not used"),
-    harmless("CONTROL_MPP_IO_NODUMP", "not used"),
     harmless("CONTROL_STRUCTURED", "not used"),
     harmless("CONTROL_RIGID", "not used"),
     harmless("CONTROL_CHECK", "not used"),

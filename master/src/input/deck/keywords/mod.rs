@@ -46,6 +46,10 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
 /// Start of the names of keywords that request output. Each of them is reported once.
 pub const OUTPUT: &[&str] = &["DATABASE_", "INTERFACE_SPRINGBACK", "CONTROL_OUTPUT"];
 
+/// Start of the names of keywords on the division of a model among processes. Each of them is
+/// reported once.
+pub const DIVISION: &str = "CONTROL_MPP_";
+
 /// A row of the table with its cards parsed.
 pub struct KeywordRow {
     /// The entry.
@@ -116,9 +120,16 @@ pub fn near(name: &str) -> Option<&'static str> {
     (best >= ALIKE).then_some(known)
 }
 
-/// Returns true if a keyword that is not in the table requests output only.
-pub fn is_output(name: &str) -> bool {
-    OUTPUT.iter().any(|start| name.starts_with(start))
+/// Returns what to do in place of a keyword that is not in the table and changes no result: it
+/// requests output, or divides the model among processes. `None` for other keywords.
+pub fn instead_of(name: &str) -> Option<&'static str> {
+    if OUTPUT.iter().any(|start| name.starts_with(start)) {
+        return Some(
+            "docs/guide/output.md lists the output of a run; set its intervals in [output] of a \
+             job",
+        );
+    }
+    name.starts_with(DIVISION).then_some("set `parallel.workers`, or give --workers")
 }
 
 /// Returns 1, for a heading line, with the option `TITLE`.

@@ -53,15 +53,15 @@ pub const KEYWORDS: &[Keyword] = &[
             ("ithk:i istab:i ql:r=0.01 unused:i sphsort:i ishift:i", Maybe),
         ],
         "idim has to be 3 or blank. Particles have one form of the sums, that of \
-         docs/theory/particles.md, which form 0 and 2 are converted to. Other forms of fluids get \
-         a warning; tensor, Lagrangian, adaptive and implicit forms are not supported",
+         docs/theory/particles.md, which form 0 and 2 are converted to. A maxv from 1e12 on is no \
+         limit; a smaller one is not supported. Other forms of fluids get a warning; tensor, \
+         Lagrangian, adaptive and implicit forms are not supported",
     )
     .unused(&[
         no_effect("ncbs", "neighbours are those of each step"),
         ignored("boxid", "particles outside of the box go on"),
         refused("dt start", "particles that act for some time only"),
         no_effect("nmneigh isymp", "memory is found as needed"),
-        refused("maxv", "particles that are deleted at a speed"),
         refused("cont", "particles of different parts that do not push each other"),
         no_effect("deriv ini", "the smoothing length is that of the section, and constant"),
         no_effect("ishow ierod icont", "no particle is deleted"),

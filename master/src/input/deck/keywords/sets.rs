@@ -202,5 +202,6 @@ pub const KEYWORDS: &[Keyword] = &[
         &[("heading:l", Count(title)), ("cid:i! n1:i! n2:i! n3:i! flag:i dir:a", Once)],
         "the same by three nodes at their initial positions",
     )
+    .aliases(&["DEFINE_COORDINATE_NODE"])
     .options(&["TITLE"]),
 ];
