@@ -73,7 +73,7 @@ impl DeckConverter {
                 continue;
             }
             let place = record.place(field);
-            let Some(curve) = self.time_curve(id.abs(), place) else { continue };
+            let Some(curve) = self.time_curve(id.saturating_abs(), place) else { continue };
             let entry = bounds.entry(id > 0).or_insert_with(|| {
                 let way = record.place("dir");
                 let mut table = JobTable::new(record.head).with("direction", way, direction);

@@ -115,7 +115,7 @@ impl DeckConverter {
                 return None;
             }
         }
-        if matches!(option.abs(), 1 | 3) {
+        if matches!(option.saturating_abs(), 1 | 3) {
             let used = "only nodes on the surface at the start are tied";
             self.map(label, format!("option {option}: nodes also stick later"), used);
         }
