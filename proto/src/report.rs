@@ -354,6 +354,16 @@ pub fn step_loads(seconds: &PhaseSeconds) -> StepLoads {
     [seconds.iter().sum::<f64>() - contact, contact]
 }
 
+/// Adds the loads of an element to the bin of its centre in a histogram over the range `lo` to
+/// `hi` [length]; centres outside count in the outer bins. `at` is the coordinate of the centre
+/// [length].
+pub fn add_to_bin(histogram: &mut [StepLoads], (lo, hi): (f64, f64), at: f64, loads: StepLoads) {
+    let place = (at - lo) / (hi - lo).max(f64::MIN_POSITIVE) * histogram.len() as f64;
+    let last = histogram.len() - 1;
+    let bin = &mut histogram[(place.max(0.0) as usize).min(last)];
+    bin.iter_mut().zip(loads).for_each(|(sum, load)| *sum += load);
+}
+
 /// Wall-clock time of one worker in each of [`PHASES`] [s]; `halo` includes waiting for others.
 pub type PhaseSeconds = [f64; PHASES.len()];
 

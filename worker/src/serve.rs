@@ -21,7 +21,7 @@ use crumple_proto::message::{Action, Changes, ToMaster, ToWorker};
 use crumple_proto::partition::Settings;
 use crumple_proto::report::Phase;
 use crumple_proto::report::{
-    Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepLoads, StepReport,
+    Displacement, Failure, FinalReport, PHASES, PhaseSeconds, StepLoads, StepReport, add_to_bin,
 };
 use crumple_proto::steering::Steer;
 use crumple_proto::trace::{Event, OrderKind};
@@ -192,10 +192,7 @@ fn answer(
                 for (h, &(_, axis, lo, hi)) in
                     histograms.iter_mut().zip(&of).filter(|(_, o)| o.0 == entry)
                 {
-                    let place =
-                        (centre[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
-                    let bin = &mut h[(place.max(0.0) as usize).min(bins - 1)];
-                    bin.iter_mut().zip(load).for_each(|(b, l)| *b += l);
+                    add_to_bin(h, (lo, hi), centre[axis], load);
                 }
             });
             post(comm, 0, Tag::Report, &ToMaster::Histograms(histograms))?;

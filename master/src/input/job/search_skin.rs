@@ -10,8 +10,8 @@ use crumple_worker::contact::surface::ContactParts;
 use crumple_worker::parallel::reduction::{near_pairs_decide, skin_for};
 use std::collections::HashMap;
 
-/// Widest skin, in median sides of elements. Around a node of a sheet lie 16 segments within two
-/// sides, as many as it is worth to keep in a list.
+/// Widest skin, in median sides of elements: around a node of a sheet lie 16 segments within two
+/// sides. Other values were not tried.
 const WIDEST: f64 = 2.0;
 
 /// Widens the skin of a contact whose job gives none. `median` is the median side of the elements

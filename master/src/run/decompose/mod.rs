@@ -7,7 +7,7 @@ pub use rcb::{Before, bisect};
 
 use crumple_proto::boxes::{Aabb, Cut, CutTree};
 use crumple_proto::message::{ToMaster, ToWorker};
-use crumple_proto::report::StepLoads;
+use crumple_proto::report::{StepLoads, add_to_bin};
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{await_message, post};
 
@@ -111,9 +111,7 @@ fn histograms(
     for (c, load) in loads {
         let i = place[tree.entry_of(c)];
         if let Some(&(_, axis, lo, hi)) = of.get(i) {
-            let at = (c[axis] - lo) / (hi - lo).max(f64::MIN_POSITIVE) * bins as f64;
-            let bin = &mut histograms[i][(at.max(0.0) as usize).min(bins - 1)];
-            bin.iter_mut().zip(load).for_each(|(b, l)| *b += l);
+            add_to_bin(&mut histograms[i], (lo, hi), c[axis], load);
         }
     }
     histograms

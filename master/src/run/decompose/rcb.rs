@@ -53,14 +53,14 @@ pub fn bisect(
     before: Before<'_>,
 ) -> Result<CutTree, RankLost> {
     let mut tree = CutTree::single();
-    // Leaf entry, first worker, number of workers, and the entry of the same box in the last tree.
-    let mut open = vec![(0usize, 0usize, workers, before.tree.map(|_| 0usize))];
+    let same = before.tree.map(|_| 0);
+    let mut open = vec![OpenBox { entry: 0, first: 0, count: workers, same }];
     loop {
-        open.retain(|o| o.2 > 1);
+        open.retain(|o| o.count > 1);
         if open.is_empty() {
             return Ok(tree);
         }
-        let entries: Vec<usize> = open.iter().map(|o| o.0).collect();
+        let entries: Vec<usize> = open.iter().map(|o| o.entry).collect();
         let extents = load.extents(&tree, &entries)?;
         let mut cuts: Vec<Vec<CutCandidate>> = vec![Vec::new(); open.len()];
         for rank in 0..3 {
@@ -85,37 +85,44 @@ pub fn bisect(
             let ranges: Vec<_> = asked.iter().map(range).collect();
             let histograms = load.histograms(&tree, &ranges, BINS)?;
             for ((&i, range), histogram) in asked.iter().zip(&ranges).zip(&histograms) {
-                let count = open[i].2;
+                let count = open[i].count;
                 let fraction = (count / 2) as f64 / count as f64;
                 cuts[i].push(CutCandidate::new(histogram, fraction, range, before.buffer));
             }
         }
         let mut next = Vec::new();
-        for (&(entry, first, count, same), candidates) in open.iter().zip(&cuts) {
-            let last = same.and_then(|same| before.tree?.entries.get(same));
-            let last_axis = match last {
-                Some(&Cut::Plane { axis, .. }) => Some(axis),
+        for (&OpenBox { entry, first, count, same }, candidates) in open.iter().zip(&cuts) {
+            // Axis and halves of the last cut of this box.
+            let last = match same.and_then(|same| before.tree?.entries.get(same)) {
+                Some(&Cut::Plane { axis, below, above, .. }) => Some((axis, [below, above])),
                 _ => None,
             };
-            let Some(&CutCandidate { axis, at, .. }) = best(candidates, last_axis) else {
+            let Some(&CutCandidate { axis, at, .. }) = best(candidates, last.map(|l| l.0)) else {
                 continue;
             };
             // With another axis, the halves are other boxes than the last ones.
-            let [same_below, same_above] = match last {
-                Some(&Cut::Plane { axis: last, below, above, .. }) if last == axis => {
-                    [Some(below), Some(above)]
-                }
-                _ => [None; 2],
-            };
+            let halves = last.filter(|l| l.0 == axis).map(|l| l.1);
             let lower = count / 2;
             let below = tree.entries.len();
             tree.entries.extend([Cut::Leaf(first), Cut::Leaf(first + lower)]);
             tree.entries[entry] = Cut::Plane { axis, at, below, above: below + 1 };
-            next.push((below, first, lower, same_below));
-            next.push((below + 1, first + lower, count - lower, same_above));
+            for (k, first, count) in [(0, first, lower), (1, first + lower, count - lower)] {
+                next.push(OpenBox { entry: below + k, first, count, same: halves.map(|h| h[k]) });
+            }
         }
         open = next;
     }
+}
+
+/// A box that is not yet cut for all its workers.
+struct OpenBox {
+    /// Leaf entry in the growing tree.
+    entry: usize,
+    /// First worker, and number of workers.
+    first: usize,
+    count: usize,
+    /// Entry of the same box in the last tree, if it has one.
+    same: Option<usize>,
 }
 
 /// A cut of a box.
