@@ -325,19 +325,6 @@ mod tests {
         assert_eq!([axis_for(1.0, 8.0), axis_for(1.0, 0.1), axis_for(4.0, 8.0)], [0, 1, 1]);
     }
 
-    /// If the first axis changes, the next boxes have no last axis to keep.
-    #[test]
-    fn boxes_of_another_first_cut_are_new() {
-        let loads = frame(10.0);
-        let cut = |tree: Option<&CutTree>| {
-            let before = Before { tree, buffer: 1.0 };
-            bisect(&mut ElementLoads(loads.clone()), 4, before).unwrap()
-        };
-        let across = bisect(&mut ElementLoads(frame(0.0)), 4, Before::default()).unwrap();
-        assert_eq!(axis(&across), 0);
-        assert_eq!(cut(Some(&across)), cut(None));
-    }
-
     fn axis(tree: &CutTree) -> usize {
         match tree.entries[0] {
             Cut::Plane { axis, .. } => axis,
