@@ -14,6 +14,7 @@ mod cohesive;
 mod composites;
 mod contacts;
 mod damage;
+mod deletion_step;
 mod discrete_beams;
 mod exported;
 mod fates;

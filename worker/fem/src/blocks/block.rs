@@ -39,6 +39,8 @@ pub struct Block {
     pub(super) history: HistoryColumns,
     /// Energies of each element so far, see [`ElementPass::energies`] [energy].
     energies: Vec<f64>,
+    /// See [`ElementPass::step_factors`].
+    step_factors: Vec<f64>,
     /// For each group, true if it was never strained: its forces are zero while all its nodes
     /// move alike.
     pub(super) unstrained: Vec<bool>,
@@ -73,6 +75,7 @@ impl Block {
             base: _,
             slots: _,
             groups: _,
+            step_factors: _,
             unstrained: _,
         } = self;
         let mut columns = self.state(index).to_vec();
@@ -143,6 +146,7 @@ impl Block {
             groups: vec![0; groups * slots * lanes],
             history,
             energies: vec![0.0; 2 * groups * lanes],
+            step_factors: step_factors(run, groups * lanes),
             unstrained: vec![false; groups],
             fronts: [shared, interface].map(|count| count.div_ceil(lanes)),
             interface,
@@ -249,8 +253,18 @@ impl Block {
             nodes,
             dt,
             least_dt,
+            step_factors: &self.step_factors,
             out,
             energies: &mut self.energies,
         })
     }
+}
+
+/// Returns the [`ElementPass::step_factors`] of these elements at so many places.
+fn step_factors(run: &[LocalElement], places: usize) -> Vec<f64> {
+    let factor = |e: &LocalElement| (e.record.mass_factor * e.record.share).sqrt();
+    if run.iter().all(|e| factor(e) == 1.0) {
+        return Vec::new();
+    }
+    (0..places).map(|place| factor(&run[place.min(run.len() - 1)])).collect()
 }

@@ -139,3 +139,37 @@ fn elements_failed_by_their_law_are_not_inverted() {
         );
     }
 }
+
+/// A shell is deleted in the first step in which its stable step is below that of its part: the
+/// same shell of a part without one shows which step that is.
+#[test]
+fn shells_are_deleted_below_the_step_of_their_part() {
+    for ((element, triangular), precision) in
+        FORMULATIONS.into_iter().flat_map(|f| BOTH.map(|p| (f, p)))
+    {
+        let sheet = || elastic(210.0, 0.3, 7.85e-6);
+        let nodes = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let cell = if triangular { [0, 1, 2, 2] } else { [0, 1, 2, 3] };
+        let of = |part| Patch::in_precision(precision, part, sheet(), &nodes, &[cell]);
+        let mut whole = of(part_of(element, 0.1));
+        let least = 0.8 * whole.forces(0.0).stable_dt;
+        let mut patch = of(part_of(element, 0.1).with("deletion_step", least));
+        let shrink = |x: [f64; 3]| [0.98 * x[0], x[1], x[2]];
+        let mut steps = 0;
+        loop {
+            let [kept, own] = [&mut whole, &mut patch].map(|p| p.go(shrink));
+            steps += 1;
+            let failed = patch.element.is_deleted(patch.history.element(0));
+            assert_eq!(failed, kept.stable_dt < least, "{element}, step {steps}");
+            if failed {
+                assert_eq!((own.stable_dt, own.trouble), (f64::INFINITY, None));
+                assert_eq!(patch.largest().0, 0.0);
+                break;
+            }
+            assert_eq!(own.stable_dt, kept.stable_dt, "{element}");
+            assert!(steps < 60, "{element} must be deleted");
+        }
+        assert!(steps > 5, "{element}: {steps}");
+        assert_eq!(patch.go(shrink).stable_dt, f64::INFINITY, "{element}: it stays deleted");
+    }
+}

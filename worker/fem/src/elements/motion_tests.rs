@@ -410,6 +410,7 @@ fn padding_adds_nothing_and_ranges_add_up() {
                     nodes,
                     dt: 1.0,
                     least_dt: 0.0,
+                    step_factors: &[],
                     out,
                     energies,
                 })

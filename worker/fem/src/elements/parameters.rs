@@ -76,6 +76,7 @@ pub(super) const OF_SHELLS: &[ParameterRow] = &[
                   names it. In both cases, coordinates or forces that are not finite end the run. \
                   So does a step below `time.dt_min_ratio` times the first.",
     },
+    DELETION_STEP,
     ParameterRow {
         key: "thinning",
         form: Form::Flag,
@@ -97,6 +98,18 @@ pub(super) const OF_SHELLS: &[ParameterRow] = &[
                   its moments of a node are bounded by 1/400 of the plastic moment of a side.",
     },
 ];
+
+/// Key of shells and solids that are deleted by their step.
+pub(super) const DELETION_STEP: ParameterRow = ParameterRow {
+    key: "deletion_step",
+    form: Form::Number,
+    otherwise: DefaultValue::Number(0.0),
+    range: Some(Range { wanted: "0 or above", fits: |dt| dt >= 0.0 && dt.is_finite() }),
+    meaning: "Stable step below which an element of the part is deleted, with scaled masses \
+              included, without `time.safety`; 0 for none [time]. Deletion is as with \
+              `inverted = \"delete\"`, which a step above 0 includes. Elements are not tested \
+              until they are strained.",
+};
 
 /// Key of shells without bending.
 pub(super) const MEMBRANE: ParameterRow = ParameterRow {
@@ -152,7 +165,7 @@ pub(super) const DELETE: &str = "delete";
 
 /// Returns true if inverted elements fail instead of ending the run.
 pub(super) fn deletes_inverted(values: &Values<'_>) -> bool {
-    values.word("inverted") == DELETE
+    values.word("inverted") == DELETE || values.number(DELETION_STEP.key) > 0.0
 }
 
 /// Returns the row of the hourglass coefficient of a shell, with its default.

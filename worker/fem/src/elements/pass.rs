@@ -1,6 +1,8 @@
 //! Pass over the elements of a block: groups of elements, the call of the kernel for each, and the
 //! minima over all.
 
+use super::quad::{magnitude, zero_corners};
+use super::section::Section;
 use super::solid::SolidMaterial;
 use crate::columns::{HistoryColumnsMut, HistoryStorage};
 use crate::materials::PointLanes;
@@ -75,6 +77,9 @@ pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     pub dt: f64,
     /// Stable step below which solids of a part that deletes inverted ones are deleted [time].
     pub least_dt: f64,
+    /// Ratio of the stable step of each element and padding of the block to that of its kernel,
+    /// which knows neither scaled nor shared masses; empty if all are 1.
+    pub step_factors: &'a [f64],
     /// Element nodal forces of the whole block.
     pub out: ElementNodalForces<'a>,
     /// Energies of the whole block so far, to which the pass adds: for each group W internal
@@ -210,6 +215,9 @@ pub(super) trait ShellGroups {
         nodes: &NodeView<'_>,
         history: &[L],
     ) -> Totals<L>;
+
+    /// Returns the section through the thickness.
+    fn section(&self) -> &Section;
 }
 
 /// Kernel for groups of solids with C nodes, for any type of lanes.
@@ -241,8 +249,19 @@ impl<'a, H> ElementPass<'a, H> {
     /// Returns the history of the pass, and the pass with another one.
     #[inline(always)]
     fn exchange<T>(self, other: T) -> (H, ElementPass<'a, T>) {
-        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
-            self;
+        let Self {
+            range,
+            count,
+            groups,
+            history,
+            unstrained,
+            nodes,
+            dt,
+            least_dt,
+            step_factors,
+            out,
+            energies,
+        } = self;
         let pass = ElementPass {
             range,
             count,
@@ -252,6 +271,7 @@ impl<'a, H> ElementPass<'a, H> {
             nodes,
             dt,
             least_dt,
+            step_factors,
             out,
             energies,
         };
@@ -313,26 +333,48 @@ impl<L> ElementPass<'_, &mut [L]> {
     where
         L: PointLanes<W>,
     {
-        let Self { range, count, groups, history, unstrained, nodes, dt, out, energies, .. } = self;
+        let Self {
+            range,
+            count,
+            groups,
+            history,
+            unstrained,
+            nodes,
+            dt,
+            step_factors,
+            out,
+            energies,
+            ..
+        } = self;
         let corners = range.start * W..range.end * W;
         let force = out.force.as_chunks_mut::<4>().0[corners.clone()].as_chunks_mut::<W>().0;
         let moment = out.moment.as_chunks_mut::<4>().0[corners].as_chunks_mut::<W>().0;
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
         let groups = &groups.as_chunks::<W>().0.as_chunks::<4>().0[range.clone()];
-        let each = groups
-            .iter()
+        let deletion_step = kernel.section().deletion_step;
+        let each = range
+            .clone()
+            .zip(groups)
             .zip(states)
             .zip(&mut unstrained[range.clone()])
             .zip(force.iter_mut().zip(moment));
-        let respond = |(((group, state), unstrained), (force, moment)): (
-            ((&_, &mut [L]), &mut bool),
+        let respond = |((((index, group), state), unstrained), (force, moment)): (
+            (((usize, &_), &mut [L]), &mut bool),
             (&mut _, &mut _),
         )| {
             if stays_unstrained(unstrained, group, &nodes, true) {
                 (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
                 return kernel.forceless(group, &nodes, state);
             }
-            kernel.group(group, &nodes, state, dt, [force, moment])
+            let mut totals = kernel.group(group, &nodes, state, dt, [&mut *force, &mut *moment]);
+            if deletion_step > 0.0 {
+                let least: L = least_steps(0.0, deletion_step, step_factors, index);
+                if L::any(totals.stable_dt.lt(least)) {
+                    let of = (kernel.section(), (group, &nodes));
+                    delete_short(of, least, state, [force, moment], &mut totals);
+                }
+            }
+            totals
         };
         total(range, count, energies, each.map(respond))
     }
@@ -346,14 +388,29 @@ impl<L> ElementPass<'_, &mut [L]> {
     where
         L: PointLanes<W>,
     {
-        let Self { range, count, groups, history, unstrained, nodes, dt, least_dt, out, energies } =
-            self;
+        let Self {
+            range,
+            count,
+            groups,
+            history,
+            unstrained,
+            nodes,
+            dt,
+            least_dt,
+            step_factors,
+            out,
+            energies,
+        } = self;
         let force =
             out.force.as_chunks_mut::<C>().0[range.start * W..range.end * W].as_chunks_mut::<W>().0;
         let states = history[range.start * columns..range.end * columns].chunks_exact_mut(columns);
         let groups = &groups.as_chunks::<W>().0.as_chunks::<C>().0[range.clone()];
-        let each = groups.iter().zip(states).zip(&mut unstrained[range.clone()]).zip(force);
-        let respond = |(((group, state), unstrained), force): (((&_, _), &mut bool), &mut _)| {
+        let numbered = range.clone().zip(groups);
+        let each = numbered.zip(states).zip(&mut unstrained[range.clone()]).zip(force);
+        let respond = |((((index, group), state), unstrained), force): (
+            (((usize, &_), _), &mut bool),
+            &mut _,
+        )| {
             if stays_unstrained(unstrained, group, &nodes, false) {
                 *force = [[[0.0; 4]; C]; W];
                 return kernel.forceless(group, &nodes, state);
@@ -363,7 +420,8 @@ impl<L> ElementPass<'_, &mut [L]> {
             let gone = material.deletes.then(|| material.deleted(state));
             let mut totals: Totals<L> = kernel.group(group, &nodes, state, dt, force);
             if let Some(gone) = gone {
-                let long = totals.stable_dt.ge(L::splat(least_dt));
+                let least = least_steps(least_dt, material.deletion_step, step_factors, index);
+                let long = totals.stable_dt.ge(least);
                 let marks = L::select(L::both(totals.sound, long), L::zero(), L::splat(1.0));
                 if L::any(gone) || L::any(marks.gt(L::zero())) {
                     let of = (material, points);
@@ -374,6 +432,39 @@ impl<L> ElementPass<'_, &mut [L]> {
         };
         total(range, count, energies, each.map(respond))
     }
+}
+
+/// Returns the stable steps below which the elements of a group are deleted [time]: the largest of
+/// `least_dt`, which is that of kernels, and of `own`, which is that of the elements with their
+/// masses.
+#[inline(always)]
+fn least_steps<L: PointLanes<W>, const W: usize>(
+    least_dt: f64,
+    own: f64,
+    factors: &[f64],
+    group: usize,
+) -> L {
+    match factors.as_chunks::<W>().0.get(group) {
+        Some(factors) if own > 0.0 => L::from_array(factors.map(|f| least_dt.max(own / f))),
+        _ => L::splat(least_dt.max(own)),
+    }
+}
+
+/// Deletes the shells of a group whose stable step is below `least` [time]. If the coordinates or
+/// velocities of the group are not finite, none is deleted.
+#[cold]
+#[inline(never)]
+fn delete_short<L: PointLanes<W>, const W: usize>(
+    (section, (group, nodes)): (&Section, (&GroupNodes<4, W>, &NodeView<'_>)),
+    least: L,
+    history: &mut [L],
+    [force, moment]: [&mut GroupCorners<4, W>; 2],
+    totals: &mut Totals<L>,
+) {
+    let long = totals.stable_dt.ge(least);
+    let gone = section.delete_inverted(history, long, long, || magnitude(group, nodes));
+    totals.zero_failed(gone);
+    zero_corners::<L, W>(gone, force, moment);
 }
 
 /// Deletes the solids of a group that are marked, since they are not valid or their stable step is

@@ -62,9 +62,9 @@ use crate::nodes::NodeView;
 use crumple_math::lanes::{Real, cross, dot};
 use crumple_proto::mesh::OwnSection;
 use mode_rows::{
-    OfMiddle, gather_coordinates, gather_velocities, magnitude, of_middle, scatter, shift_to_nodes,
-    zero_corners,
+    OfMiddle, gather_coordinates, gather_velocities, of_middle, scatter, shift_to_nodes,
 };
+pub use mode_rows::{magnitude, zero_corners};
 
 /// Number of generalised hourglass rates: of tx, ty, vz, vx, vy.
 pub const HOURGLASS: usize = 5;

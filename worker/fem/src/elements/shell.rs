@@ -84,6 +84,11 @@ impl<F: Formulation, const N: usize> ShellGroups for WithPoints<'_, F, N> {
     ) -> Totals<L> {
         self.0.forceless(group, nodes, history)
     }
+
+    #[inline(always)]
+    fn section(&self) -> &Section {
+        self.0.section()
+    }
 }
 
 /// A shell with the formulation `F`.

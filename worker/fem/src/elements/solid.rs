@@ -3,7 +3,7 @@
 //!
 //! The steps are those of [`hexahedron`](super::hexahedron).
 
-use super::parameters::{self, DELETE};
+use super::parameters::{self, DELETE, DELETION_STEP};
 use super::pass::{GroupCorners, GroupNodes};
 use super::{ElementFields, law_column};
 use crate::columns::ElementState;
@@ -42,6 +42,7 @@ pub const SOLID_KEYS: &[ParameterRow] = &[
                   it fail as at a failure strain, as with shells. Elements with scaled masses, or \
                   that share the masses of nodes, are not deleted for their step.",
     },
+    DELETION_STEP,
 ];
 
 /// Key of solids that average their volume strain at nodes; see
@@ -113,6 +114,8 @@ pub struct SolidMaterial {
     stiffening: Option<usize>,
     /// True if elements that are inverted, or have too short a step, fail.
     pub deletes: bool,
+    /// Stable step below which elements are deleted, 0 for none [time].
+    pub deletion_step: f64,
     /// Column of the law with its internal energy, if the pressure depends on it; see
     /// [`HEAT_COLUMN`].
     heat: Option<usize>,
@@ -151,6 +154,7 @@ impl SolidMaterial {
             stiffening: law_column(history, "stiffening", STRESS),
             heat: law_column(history, HEAT_COLUMN, STRESS),
             deletes,
+            deletion_step: values.number(DELETION_STEP.key),
             law,
         }
     }

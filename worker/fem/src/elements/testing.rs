@@ -412,6 +412,7 @@ impl<const C: usize> Patch<C> {
                 nodes,
                 dt,
                 least_dt: self.least_dt,
+                step_factors: &[],
                 out,
                 energies,
             })

@@ -220,6 +220,10 @@ impl DeckConverter {
             let section = DeckSection { kind: SectionKind::Shell, record: record.clone() };
             self.shell_offset(&record, &record, thickness, &mut table);
             self.shell_formulation(&record, &section, sections, elements, &mut table);
+            let steps = layers.iter().filter_map(|layer| materials[&layer.mid].deletion_step);
+            if let Some((step, place)) = steps.reduce(|a, b| if b.0 > a.0 { b } else { a }) {
+                table.put("deletion_step", place, step);
+            }
             self.add("part", table);
         }
     }

@@ -33,6 +33,8 @@ pub struct DeckMaterial {
     /// Limits of beams that are welds: normal and shear force [force], bending and torsional
     /// moment [force length]; with their place.
     pub weld: Option<([f64; 4], Place)>,
+    /// Stable step below which elements are deleted, if any [time].
+    pub deletion_step: Option<(f64, Place)>,
     /// Density [mass/length^3].
     pub density: f64,
     /// Young's modulus [force/length^2].
@@ -62,6 +64,13 @@ const HYDRO: &str = "MAT_ELASTIC_PLASTIC_HYDRO";
 /// Poisson's ratio of a metal whose bulk modulus is that of its equation of state: only its shear
 /// modulus has an influence.
 const OF_HYDRO: f64 = 0.3;
+
+/// Keywords with a step below which elements are deleted.
+const DELETING: [&str; 3] = [
+    "MAT_PIECEWISE_LINEAR_PLASTICITY",
+    "MAT_PLASTICITY_WITH_DAMAGE",
+    "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY",
+];
 
 const KEYWORDS: [&str; 8] = [
     "MAT_ELASTIC",
@@ -129,6 +138,7 @@ impl DeckConverter {
                     table.put("law", record.head, "elastic");
                 }
                 let density = record.real("ro");
+                let deletion_step = self.deletion_step(keyword, &record);
                 let (table, skin) = (Some(table), keyword == "MAT_NULL");
                 let material = DeckMaterial {
                     name,
@@ -147,6 +157,7 @@ impl DeckConverter {
                     has_axes: is_ply || matches!(keyword, "MAT_FABRIC" | metals::BARLAT),
                     cohesive,
                     weld,
+                    deletion_step,
                     density,
                     youngs_modulus: e,
                     takes_equation: matches!(keyword, "MAT_JOHNSON_COOK" | "MAT_NULL" | HYDRO),
@@ -191,6 +202,18 @@ impl DeckConverter {
         if record.real("fs") > 0.0 {
             table.put("failure_strain", record.place("fs"), record.real("fs"));
         }
+    }
+
+    /// Returns the stable step below which elements of a material are deleted.
+    fn deletion_step(&mut self, keyword: &str, record: &CardRecord) -> Option<(f64, Place)> {
+        if !DELETING.contains(&keyword) {
+            return None;
+        }
+        let step = record.real("tdel");
+        if step < 0.0 {
+            self.unsupported_value(record, "tdel", "a step below 0: give a time, or 0 for none");
+        }
+        (step > 0.0).then(|| (step, record.place("tdel")))
     }
 
     /// Sets the rate that counts for a law with rates: that of the total strain (vp 0) or of the
@@ -247,9 +270,6 @@ impl DeckConverter {
             self.unsupported_value(record, "fail", "failure by a user routine");
         } else if fail > 0.0 && fail < 1e20 {
             table.put("failure_strain", record.place("fail"), fail);
-        }
-        if record.real("tdel") != 0.0 {
-            self.unsupported_value(record, "tdel", "failure by the time step");
         }
         let lcsr = record.integer("lcsr");
         if lcsr > 0 && !has_rates {

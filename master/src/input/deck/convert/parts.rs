@@ -205,6 +205,20 @@ impl DeckConverter {
             SectionKind::Discrete | SectionKind::Particle => {}
         }
         self.check_material(record, material, section.kind, &mut table);
+        let step = material.deletion_step.filter(|_| material.rigid.is_none());
+        let deletes = match section.kind {
+            SectionKind::Shell => true,
+            SectionKind::Solid => material.cohesive.is_none(),
+            _ => false,
+        };
+        match step {
+            Some((step, place)) if deletes => table.put("deletion_step", place, step),
+            Some((step, _)) => {
+                let why = "not used: only shells and solids are deleted by their step";
+                self.map(format!("part {id}"), format!("tdel {step}"), why);
+            }
+            None => {}
+        }
         table
     }
 

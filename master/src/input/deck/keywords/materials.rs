@@ -73,7 +73,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "law `j2` with the curve of lcss (`hardening`), with its curves by rate \
          (`hardening_by_rate`), with eps and es, or with sigy and etan; c and p are \
          `cowper_symonds`, lcsr is `rate_factors`, with vp 1 `viscoplastic`; fail is \
-         `failure_strain`",
+         `failure_strain`, tdel is `deletion_step` of its parts of shells and solids",
     )
     .aliases(&["MAT_024", "MAT_24"])
     .options(&["TITLE"]),

@@ -64,6 +64,7 @@ fn led(section: BeamInput, places: &[[V3; 2]], w: &[[V3; 2]]) -> [V3; 3] {
                 nodes,
                 dt,
                 least_dt: 0.0,
+                step_factors: &[],
                 out,
                 energies,
             })

@@ -53,7 +53,7 @@ pub(super) fn gather_velocities<L: PointLanes<W>, const W: usize>(
 /// finite if one of them is not.
 #[cold]
 #[inline(never)]
-pub(super) fn magnitude<L: PointLanes<W>, const W: usize>(
+pub fn magnitude<L: PointLanes<W>, const W: usize>(
     group: &GroupNodes<4, W>,
     nodes: &NodeView<'_>,
 ) -> L {
@@ -110,7 +110,7 @@ pub(super) fn shift_to_nodes<L: PointLanes<W>, const W: usize>(
 /// Sets forces and moments of the lanes `gone` to zero.
 #[cold]
 #[inline(never)]
-pub(super) fn zero_corners<L: PointLanes<W>, const W: usize>(
+pub fn zero_corners<L: PointLanes<W>, const W: usize>(
     gone: L::Mask,
     force: &mut GroupCorners<4, W>,
     moment: &mut GroupCorners<4, W>,

@@ -101,6 +101,8 @@ pub struct Section {
     /// True if inverted elements are deleted instead of ending the run. Such a part has one more
     /// column, the last one: 1 if the element was deleted.
     pub deletes: bool,
+    /// Stable step below which elements are deleted, 0 for none [time].
+    pub deletion_step: f64,
     /// Column of a point with its effective plastic strain, if the law has any.
     plastic_strain: Option<usize>,
     /// Yield stress at zero plastic strain [force/length^2]; infinite without plastic flow.
@@ -223,6 +225,7 @@ impl Section {
             shear_ratio,
             shear: 1.0,
             deletes: parameters::deletes_inverted(values),
+            deletion_step: values.number(parameters::DELETION_STEP.key),
             plastic_strain: law_column(history, "plastic_strain", 3),
             initial_yield_stress: law.initial_yield_stress(),
             failed: law_column(history, "failed", 3),

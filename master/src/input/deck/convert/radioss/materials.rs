@@ -56,6 +56,7 @@ impl StarterConverter {
                 has_axes: false,
                 cohesive: None,
                 turn: 0.0,
+                deletion_step: None,
                 elastic: matches!(keyword, "/MAT/LAW0" | "/MAT/LAW1"),
                 weld: None,
                 density,
