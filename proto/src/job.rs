@@ -36,7 +36,7 @@ pub use require::{
     ElementReduction, FilterClass, ObjectTable, Quantity, Requirement, RowReduction,
 };
 pub use restart::{PartVelocity, Restart};
-pub use rigid::{Rigid, RigidStop};
+pub use rigid::{Rigid, RigidLoad, RigidStop};
 pub use set::{SetInput, SetRule};
 pub use setting::Setting;
 pub use spring::{

@@ -24,6 +24,21 @@ pub struct RigidBody {
     pub window: Option<[f64; 2]>,
     /// Bounds of the motion of its centre.
     pub stops: Vec<BodyStop>,
+    /// Forces at its centre and moments about it.
+    pub loads: Vec<BodyLoad>,
+}
+
+/// Force at the centre of a body, and moment about it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BodyLoad {
+    /// Force [force].
+    pub force: [f64; 3],
+    /// Moment [force length].
+    pub moment: [f64; 3],
+    /// Index of its curve in the loads; constant if `None`.
+    pub curve: Option<usize>,
+    /// True if force and moment turn with the body.
+    pub follows: bool,
 }
 
 /// Bounds of the motion of the centre of a body along a direction.

@@ -46,6 +46,27 @@ pub struct Rigid {
     /// Bounds of the motion of its centre, for a body that is rigid for the whole run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stop: Vec<RigidStop>,
+    /// Forces and moments at its centre of mass, for a body that is rigid for the whole run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub load: Vec<RigidLoad>,
+}
+
+/// Force at the centre of mass of a rigid body, and moment about it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RigidLoad {
+    /// Force [force].
+    #[serde(default)]
+    pub force: [f64; 3],
+    /// Moment [force length].
+    #[serde(default)]
+    pub moment: [f64; 3],
+    /// Name of a curve, the factor over time; without it 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<String>,
+    /// Turns force and moment with the body; otherwise they keep their directions in space.
+    #[serde(default)]
+    pub follows: bool,
 }
 
 /// Stop of a rigid body: its centre may not move beyond bounds along a direction. The impact is

@@ -7,6 +7,7 @@ mod airbags;
 mod barlat;
 mod bars;
 mod base;
+mod body_forces;
 mod broken_meshes;
 mod bytes;
 mod cases;

@@ -289,6 +289,7 @@ const ROLES: &[(&str, &str)] = &[
     ("LOAD_BODY*", "lcid=#f:t:a sf=1 xc=@x"),
     ("LOAD_GRAVITY_PART*", "dof=1 lc=#f:t:1 accel=a lcdr=#f stga=1 stgr=1"),
     ("LOAD_NODE*", "dof=1 sf=1"),
+    ("LOAD_RIGID_BODY", "dof=1 sf=1"),
     ("LOAD_SEGMENT*", "lcid=#f:t:p sf=1 at=t"),
     ("LOAD_SHELL*", "esid=#s lcid=#f:t:p sf=1 at=t"),
     ("CONSTRAINED_NODAL_RIGID_BODY", "iprt=1 drflag=1 rrflag=1 cmo=1 con1=1 con2=1"),

@@ -187,6 +187,7 @@ impl Submodel {
             "BOUNDARY_SPC",
             "BOUNDARY_PRESCRIBED_MOTION",
             "LOAD_NODE",
+            "LOAD_RIGID_BODY",
             "LOAD_BODY",
             "LOAD_GRAVITY",
             "MAT_RIGID",
@@ -433,7 +434,7 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
     }
     let dof = integer("dof").unsigned_abs();
     let rotates = matches!(dof, 5..=11) && dof != 8;
-    if keyword.starts_with("LOAD_NODE") {
+    if keyword.starts_with("LOAD_NODE") || keyword == "LOAD_RIGID_BODY" {
         let amount = if dof < 5 { [1, 1, -2] } else { [1, 2, -2] };
         roles.insert("lcid", FieldRole::Curve([0, 0, 1], amount));
     }

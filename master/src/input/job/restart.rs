@@ -55,6 +55,7 @@ pub fn add(job: &mut Job, findings: &mut JobProblems) {
         from: 0.0,
         until: None,
         stop: Vec::new(),
+        load: Vec::new(),
     };
     let bodies: Vec<Rigid> = restart.rigid.iter().map(body).collect();
     job.rigid.extend(bodies);

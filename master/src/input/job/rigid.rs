@@ -6,12 +6,12 @@ use super::turning_nodes;
 use super::validate::{JobProblems, nearest};
 use super::walls::unit;
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{Job, Rigid, RigidStop};
+use crumple_proto::job::{Job, Rigid, RigidLoad, RigidStop};
 use crumple_proto::loads::PrescribedMotion;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
-use crumple_proto::rigid::{BodyStop, RigidBody};
+use crumple_proto::rigid::{BodyLoad, BodyStop, RigidBody};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// All degrees of freedom of a node.
@@ -77,14 +77,16 @@ pub fn resolve(
             .filter(|(_, p)| rigid.parts.contains(&p.id))
             .map(|(k, _)| k)
             .collect();
-        let (inertia, motions, stops) = (rigid.inertia, Vec::new(), Vec::new());
-        bodies.push(RigidBody { nodes, parts, fixed, inertia, motions, window, stops });
+        let inertia = rigid.inertia;
+        let (motions, stops, loads) = (Vec::new(), Vec::new(), Vec::new());
+        bodies.push(RigidBody { nodes, parts, fixed, inertia, motions, window, stops, loads });
     }
     for body in bodies.iter().filter(|body| body.window.is_none()) {
         body.nodes.iter().filter_map(|&id| sets.place(id)).for_each(|n| start.fixed[n] |= ALL);
     }
     motions(job, &mut bodies, findings);
     stops(job, &mut bodies, findings);
+    loads(job, &mut bodies, findings);
     bodies
 }
 
@@ -121,6 +123,10 @@ fn window(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) -> Opt
     if !rigid.stop.is_empty() {
         let help = "remove it, or make the body rigid for the whole run";
         refuse("stop", "becomes rigid in the run and has a stop", help);
+    }
+    if !rigid.load.is_empty() {
+        let help = "load its nodes by a [[load]], or make the body rigid for the whole run";
+        refuse("load", "becomes rigid in the run and has a load", help);
     }
     if job.time.subcycles > 1 {
         refuse("from", "becomes rigid in a run with subcycles", "remove `time.subcycles`");
@@ -316,6 +322,27 @@ fn motions(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
             findings.add(Problem::error(&path, message, help));
         }
         body.motions.push(PrescribedMotion { dofs, ..motion });
+    }
+}
+
+/// Resolves the loads of bodies.
+fn loads(job: &Job, bodies: &mut [RigidBody], findings: &mut JobProblems) {
+    let curves = Curves::quietly(job);
+    for (i, (rigid, body)) in job.rigid.iter().zip(bodies).enumerate() {
+        for (k, load) in rigid.load.iter().enumerate() {
+            let path = format!("rigid.{i}.load.{k}");
+            let RigidLoad { force, moment, follows, .. } = *load;
+            if !force.iter().chain(&moment).all(|c| c.is_finite()) {
+                let message = format!("a load of rigid body `{}` is not finite", rigid.name);
+                findings.add(Problem::error(&path, message, "give three numbers each"));
+            }
+            if [force, moment] == [[0.0; 3]; 2] {
+                let message = format!("a load of rigid body `{}` is zero", rigid.name);
+                findings.add(Problem::error(&path, message, "give `force`, `moment`, or both"));
+            }
+            let curve = curves.find(&load.curve, &format!("{path}.curve"), findings);
+            body.loads.push(BodyLoad { force, moment, curve, follows });
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use crate::curve::Curve;
 use crate::math::row::V3;
 use crate::work::Work;
 use crumple_proto::loads::PrescribedMotion;
-use crumple_proto::rigid::{BodyStop, RigidBody};
+use crumple_proto::rigid::{BodyLoad, BodyStop, RigidBody};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
@@ -47,6 +47,12 @@ pub struct Body {
     /// Bounds of the centre; not part of a checkpoint.
     #[serde(skip)]
     bounds: Vec<StopBound>,
+    /// Loads with their curves; not part of a checkpoint.
+    #[serde(skip)]
+    loads: Vec<(BodyLoad, Option<Curve>)>,
+    /// Impulse and angular impulse of the loads in the step.
+    #[serde(skip)]
+    pub loaded: (V3, V3),
     /// Inward normal of each bound that acts in the step, and the distance from the centre to the
     /// bound at the end of the step [length].
     #[serde(skip)]
@@ -150,6 +156,12 @@ fn bounds(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<StopBound> {
     job.stops.iter().flat_map(of).collect()
 }
 
+/// Returns the loads of a body with their curves.
+fn loads(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<(BodyLoad, Option<Curve>)> {
+    let curve = |load: &BodyLoad| load.curve.map(|curve| Curve::new(&curves[curve]));
+    job.loads.iter().map(|load| (load.clone(), curve(load))).collect()
+}
+
 /// Returns the prescribed motions of a body with their degrees of freedom.
 fn courses(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Vec<(u64, MotionCurve)> {
     job.motions.iter().map(|m| (m.dofs, MotionCurve::new(m, curves))).collect()
@@ -183,6 +195,7 @@ impl Body {
     pub fn restore(&mut self, job: &RigidBody, given: &[Vec<[f64; 2]>]) {
         self.courses = courses(job, given);
         self.bounds = bounds(job, given);
+        self.loads = loads(job, given);
         self.fixed = held(job, |_| false);
     }
 
@@ -215,6 +228,8 @@ impl Body {
             fixed: held(job, |_| false),
             courses: courses(job, curves),
             bounds: bounds(job, curves),
+            loads: loads(job, curves),
+            loaded: (V3::zeros(), V3::zeros()),
             limits: Vec::new(),
             start: centre,
             centre,
@@ -307,6 +322,26 @@ impl Body {
         }
         self.next.angular += angular;
         self.next.lead += impulse;
+    }
+
+    /// Adds the impulses of the loads at a time, in the order of the job, over a velocity step.
+    pub fn add_loads(&mut self, time: f64, mid: f64) {
+        if self.loads.is_empty() {
+            return;
+        }
+        let (mut force, mut moment) = (V3::zeros(), V3::zeros());
+        for (load, curve) in &self.loads {
+            let factor = curve.as_ref().map_or(1.0, |curve| curve.value(time));
+            let in_space = |v: [f64; 3]| match load.follows {
+                true => self.turn * V3::from(v),
+                false => V3::from(v),
+            };
+            force += in_space(load.force) * factor;
+            moment += in_space(load.moment) * factor;
+        }
+        self.loaded = (force * mid, moment * mid);
+        let (impulse, angular) = self.loaded;
+        self.add_impulse(&impulse, &angular);
     }
 
     /// Applies damping by `b` (see `loads.rs`); returns the impulses.

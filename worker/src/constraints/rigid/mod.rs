@@ -217,6 +217,9 @@ impl Bodies {
             body.start_step(time, steps.dt);
         }
         self.push_all(steps.dt_velocity);
+        for body in &mut self.bodies {
+            body.add_loads(time, steps.dt_velocity);
+        }
         let b = steps.given() - 1.0;
         for (body, damped) in self.bodies.iter_mut().zip(&mut self.damped) {
             *damped = [body.damp(b), (V3::zeros(), V3::zeros())];
@@ -464,6 +467,8 @@ impl Bodies {
         }
         for (body, damped) in self.bodies.iter().zip(&self.damped) {
             ledger.external.add(body.prescribed_work());
+            let (impulse, angular) = &body.loaded;
+            ledger.external.add(body.work(impulse, angular));
             for (impulse, angular) in damped {
                 ledger.external.add(body.work(impulse, angular));
             }

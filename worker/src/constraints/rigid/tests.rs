@@ -15,6 +15,7 @@ fn job() -> RigidBody {
         motions: Vec::new(),
         window: None,
         stops: Vec::new(),
+        loads: Vec::new(),
     }
 }
 

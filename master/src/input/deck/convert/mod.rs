@@ -3,6 +3,7 @@
 mod airbags;
 mod barlat;
 mod beams;
+mod body_forces;
 mod cohesive;
 mod composites;
 mod contact;

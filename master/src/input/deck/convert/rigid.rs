@@ -3,7 +3,7 @@
 
 use super::DeckConverter;
 use super::sets::id;
-use super::stops::DeckStops;
+use super::stops::BodyEntries;
 use super::tree::JobTable;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
@@ -21,7 +21,8 @@ struct DeckBody {
 
 impl DeckConverter {
     pub(super) fn rigid(&mut self) {
-        let mut stops = self.stops();
+        let (loads, followers) = self.body_forces();
+        let mut entries = [self.stops(), loads];
         let mut lead: BTreeMap<i64, i64> = BTreeMap::new();
         for (&id, part) in &self.parts {
             if part.rigid.is_some() {
@@ -80,14 +81,17 @@ impl DeckConverter {
             if !body.fixed.is_empty() {
                 table.put("fixed", place, body.fixed.into_iter().collect::<Vec<_>>());
             }
-            stops.put(&mut table, |pid| lead.contains_key(&pid) && root(&lead, pid) == id);
+            for own in &mut entries {
+                own.put(&mut table, |pid| lead.contains_key(&pid) && root(&lead, pid) == id);
+            }
             self.add("rigid", table);
         }
         for &part in lead.keys() {
             self.bodies.insert(part, format!("part-{}", root(&lead, part)));
         }
-        self.nodal_bodies(&mut stops);
-        self.stops_without_body(stops);
+        self.nodal_bodies(&mut entries);
+        entries.into_iter().for_each(|own| self.entries_without_body(own));
+        self.check_followers(&followers);
     }
 
     /// Fixes what constraints of all nodes of a body fix.
@@ -192,7 +196,7 @@ impl DeckConverter {
     }
 
     /// Converts `*CONSTRAINED_NODAL_RIGID_BODY`.
-    fn nodal_bodies(&mut self, stops: &mut DeckStops) {
+    fn nodal_bodies(&mut self, entries: &mut [BodyEntries]) {
         for record in self.take_records("CONSTRAINED_NODAL_RIGID_BODY") {
             let pid = record.integer("pid");
             // Without a set number, it is the set with the body's id.
@@ -221,7 +225,7 @@ impl DeckConverter {
                     table.put("fixed", record.place("cmo"), fixed);
                 }
             }
-            stops.put(&mut table, |of| of == pid);
+            entries.iter_mut().for_each(|own| own.put(&mut table, |of| of == pid));
             self.add("rigid", table);
             self.bodies.entry(pid).or_insert(name);
         }

@@ -6,40 +6,52 @@ use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
 
-/// Stops of the bodies of a deck, by the part on their cards.
-#[derive(Debug, Default)]
-pub struct DeckStops(BTreeMap<i64, (Place, Vec<JobTable>)>);
+/// Entries of one key of the bodies of a deck, by the part on their cards.
+#[derive(Debug)]
+pub struct BodyEntries {
+    key: &'static str,
+    by_part: BTreeMap<i64, (Place, Vec<JobTable>)>,
+}
 
-impl DeckStops {
-    /// Puts the stops of all parts that `belong` to a body into its table.
+impl BodyEntries {
+    /// Creates a list without entries.
+    pub(super) fn new(key: &'static str) -> Self {
+        Self { key, by_part: BTreeMap::new() }
+    }
+
+    /// Adds entries of the body of a part.
+    pub(super) fn add(&mut self, pid: i64, place: Place, entries: Vec<JobTable>) {
+        self.by_part.entry(pid).or_insert((place, Vec::new())).1.extend(entries);
+    }
+
+    /// Puts the entries of all parts that `belong` to a body into its table.
     pub(super) fn put(&mut self, table: &mut JobTable, belong: impl Fn(i64) -> bool) {
-        let own: Vec<i64> = self.0.keys().copied().filter(|&pid| belong(pid)).collect();
+        let own: Vec<i64> = self.by_part.keys().copied().filter(|&pid| belong(pid)).collect();
         let found: Vec<(Place, Vec<JobTable>)> =
-            own.iter().filter_map(|pid| self.0.remove(pid)).collect();
+            own.iter().filter_map(|pid| self.by_part.remove(pid)).collect();
         if let Some(&(place, _)) = found.first() {
-            let all: Vec<JobTable> = found.into_iter().flat_map(|(_, stops)| stops).collect();
-            table.put("stop", place, all);
+            let all: Vec<JobTable> = found.into_iter().flat_map(|(_, entries)| entries).collect();
+            table.put(self.key, place, all);
         }
     }
 }
 
 impl DeckConverter {
     /// Reads all stops.
-    pub(super) fn stops(&mut self) -> DeckStops {
+    pub(super) fn stops(&mut self) -> BodyEntries {
         let vectors = self.vectors();
-        let mut all = DeckStops::default();
+        let mut all = BodyEntries::new("stop");
         for record in self.take_records("CONSTRAINED_RIGID_BODY_STOPPERS") {
             let stops = self.stop(&record, &vectors);
-            let place = record.place("pid");
-            all.0.entry(record.integer("pid")).or_insert((place, Vec::new())).1.extend(stops);
+            all.add(record.integer("pid"), record.place("pid"), stops);
         }
         all
     }
 
-    /// Reports stops of parts that are no rigid bodies.
-    pub(super) fn stops_without_body(&mut self, stops: DeckStops) {
+    /// Reports entries of parts that are no rigid bodies.
+    pub(super) fn entries_without_body(&mut self, entries: BodyEntries) {
         let known: Vec<String> = self.bodies.keys().map(i64::to_string).collect();
-        for (pid, (place, _)) in stops.0 {
+        for (pid, (place, _)) in entries.by_part {
             self.missing(place, "rigid part", pid, &known);
         }
     }

@@ -7,7 +7,7 @@ use super::{
     named, switches,
 };
 use crate::input::job::Model;
-use crumple_proto::job::{CurveInput, Job, MotionInput, Part, Rigid, RigidStop};
+use crumple_proto::job::{CurveInput, Job, MotionInput, Part, Rigid, RigidLoad, RigidStop};
 use crumple_proto::partition::Material;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::{Table, Value};
@@ -180,7 +180,11 @@ pub fn write(
             }
             let added = nodes.get(&body.name).map_or(&[][..], Vec::as_slice);
             join(deck, (model, body), bodies, added, &set);
-            body.stop.iter().for_each(|own| stop(deck, own, bodies.parts[&body.name], curves));
+            let part = bodies.parts[&body.name];
+            body.stop.iter().for_each(|own| stop(deck, own, part, curves));
+            if !follow(body) {
+                body.load.iter().for_each(|own| load(deck, own, part, curves));
+            }
         }
         let renamed = job.rigid.iter().filter(|body| bodies.name(&body.name) != body.name).count();
         if renamed > 0 {
@@ -242,6 +246,9 @@ fn join(
     let (part, name) = (bodies.parts[&body.name], &bodies.names[&body.name]);
     let nodes = body.nodes.as_deref().map(set);
     let mut own = Table::from_iter([named(name)]);
+    if let (true, Ok(loads)) = (follow(body), Value::try_from(&body.load)) {
+        deck.entry("rigid", Table::from_iter([named(name), ("load".to_string(), loads)]));
+    }
     if body.parts.is_empty() {
         let nodes = match &body.nodes {
             Some(name) if !added.is_empty() => {
@@ -299,6 +306,21 @@ fn join(
                 deck.entry("rigid", own);
             }
         }
+    }
+}
+
+/// Returns true if a load of a body turns with it: the card of such a load has nodes.
+fn follow(body: &Rigid) -> bool {
+    body.load.iter().any(|load| load.follows)
+}
+
+/// Writes a load of the body of a part.
+fn load(deck: &mut DeckWriter, load: &RigidLoad, part: u64, curves: &mut TimeCurves<'_>) {
+    let curve = curves.id(deck, load.curve.as_deref());
+    deck.keyword("LOAD_RIGID_BODY");
+    let amounts = (1..).zip(load.force).chain((5..).zip(load.moment));
+    for (dof, amount) in amounts.filter(|(_, amount)| *amount != 0.0) {
+        deck.card(&[Id(part), Id(dof), Id(curve), Number(amount)]);
     }
 }
 

@@ -161,6 +161,13 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(NODAL_UNUSED),
     Keyword::new(
+        "LOAD_RIGID_BODY",
+        &[("pid:i! dof:i! lcid:i! sf:r=1 cid:i m1:i m2:i m3:i", Rest)],
+        "`load` of the body of the part: dof 1 to 3 a force at its centre of mass, 5 to 7 a \
+         moment about it, along the axes of cid at the start; 4 and 8 a force and a moment along \
+         the normal m1m2 x m1m3 of three of its nodes, which turn with it (`follows`)",
+    ),
+    Keyword::new(
         "LOAD_SEGMENT",
         &[("lcid:i! sf:r=1 at:r n:i*4", Rest)],
         "`[[pressure]]`, positive against the segment's normal and into solids",

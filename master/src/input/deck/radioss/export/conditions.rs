@@ -68,6 +68,10 @@ impl StarterWriter<'_> {
                 self.lose(format!("rigid body {}: it has no stops", body.name));
                 own.insert("stop".into(), stops);
             }
+            if let (false, Ok(loads)) = (body.load.is_empty(), Value::try_from(&body.load)) {
+                self.lose(format!("rigid body {}: it has no loads at its centre", body.name));
+                own.insert("load".into(), loads);
+            }
             if own.len() > 1 {
                 self.rest("rigid", own);
             }
