@@ -83,6 +83,10 @@ fn simple_bags() {
     let law = |card: &str| model_of(&format!("{CUBE}{card}")).settings.loads.airbags[0].clone();
     let by_volume = law("*AIRBAG_SIMPLE_PRESSURE_VOLUME\n7,1\n2e-4,3.0\n");
     assert_eq!(by_volume.law, BagLaw::Inverse { pressure: 3.0 * 2e-4, curve: None });
+    // The number at the end of a name has no meaning.
+    let numbered = model_of(&format!("{CUBE}*AIRBAG_SIMPLE_PRESSURE_VOLUME_1\n7,1\n2e-4,3.0\n"));
+    assert_eq!(numbered.settings.loads.airbags, [by_volume]);
+    assert!(numbered.mapping.iter().any(|entry| entry.asked == "the number 1"));
     let table = law("*AIRBAG_SIMPLE_PRESSURE_VOLUME\n7,1\n,,23\n");
     assert_eq!(table.law, BagLaw::Table { points: vec![[0.0, 0.0], [1e-3, 3.0]] });
     let closed = law("*AIRBAG_ADIABATIC_GAS_MODEL\n7,1\n,,1.4,2e-4,1e-4,1e-9\n");

@@ -376,6 +376,11 @@ impl DeckConverter {
             }
             Effect::Model => {}
         }
+        let end = block.name.rsplit('_').next().unwrap_or_default();
+        if keywords::is_number_of_bag(name, end) {
+            let used = "not used: the cards are those of the name without it";
+            self.map(format!("*{}", block.name), format!("the number {end}"), used);
+        }
         if name == "PARAMETER_DUPLICATION" {
             return parameters.read_duplication(block, texts, &mut self.trouble);
         }

@@ -19,7 +19,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "AIRBAG_SIMPLE_PRESSURE_VOLUME",
         &[(TITLE, Count(id)), (HEAD, Once), ("cn:r beta:r lcid:i lciddr:i", Once)],
         "`[[airbag]]` with the gauge pressure `inverse_pressure` (beta cn; a negative cn is a \
-         curve) or `pressure_over_volume` (lcid)",
+         curve) or `pressure_over_volume` (lcid). A number at the end of the name of an airbag is \
+         not used",
     )
     .unused(&[RBID, SCALES, MWD, SPSF, no_effect("lciddr", "there is no dynamic relaxation")])
     .options(&["ID"]),

@@ -91,7 +91,7 @@ pub fn find(name: &str) -> Option<(&'static KeywordRow, Vec<&'static str>)> {
         let row = TABLE.get(&name[..end])?;
         let mut rest = name[end..].strip_prefix('_').unwrap_or(&name[end..]);
         let mut options = Vec::new();
-        while !rest.is_empty() {
+        while !rest.is_empty() && !is_number_of_bag(row.keyword.name, rest) {
             let fits = |o: &&&str| {
                 rest.strip_prefix(**o).is_some_and(|r| r.is_empty() || r.starts_with('_'))
             };
@@ -101,6 +101,13 @@ pub fn find(name: &str) -> Option<(&'static KeywordRow, Vec<&'static str>)> {
         }
         Some((row, options))
     })
+}
+
+/// Returns true if the end of a name is a number that some writers of decks add to the names of
+/// airbags, as in `AIRBAG_SIMPLE_PRESSURE_VOLUME_1`. It has no meaning: the cards are those of the
+/// name without it.
+pub fn is_number_of_bag(keyword: &str, end: &str) -> bool {
+    keyword.starts_with("AIRBAG_") && end.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// Returns the name of a keyword without options at its end.
@@ -220,7 +227,7 @@ mod tests {
 
     #[test]
     fn names_are_found_with_their_options() {
-        let found = |name| find(name).map(|(row, options)| (row.keyword.name, options));
+        let found = |name: &str| find(name).map(|(row, options)| (row.keyword.name, options));
         assert_eq!(found("MAT_RIGID_TITLE"), Some(("MAT_RIGID", vec!["TITLE"])));
         assert_eq!(found("MAT_020"), Some(("MAT_RIGID", vec![])));
         assert_eq!(found("SET_NODE_LIST_TITLE"), Some(("SET_NODE_LIST", vec!["TITLE"])));
@@ -228,6 +235,11 @@ mod tests {
             found("CONTACT_AUTOMATIC_SINGLE_SURFACE_ID"),
             Some(("CONTACT_AUTOMATIC_SINGLE_SURFACE", vec!["ID"]))
         );
+        let bag = "AIRBAG_SIMPLE_PRESSURE_VOLUME";
+        assert_eq!(found(&format!("{bag}_12")), Some((bag, vec![])));
+        assert_eq!(found(&format!("{bag}_ID_3")), Some((bag, vec!["ID"])));
+        assert_eq!(found(&format!("{bag}_1A")), None);
+        assert_eq!(found("CONTACT_AUTOMATIC_SINGLE_SURFACE_1"), None);
         assert_eq!(found("MAT_RIGID_DISCRETE"), None);
         assert_eq!(found("MAT_"), None);
         assert_eq!(found(""), None);
