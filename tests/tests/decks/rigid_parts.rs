@@ -3,7 +3,10 @@
 //! base is rigid: nodes 1 to 8, its centre at (5, 5, 5). Units mm, ms, kg.
 
 use crate::base::{BASE, MOVES, STEEL, model_of, report_of};
+use crumple::input::check::describe;
 use crumple::input::job::Model;
+use crumple_proto::ids::NodeId;
+use crumple_tests::run_alone;
 
 /// Returns the base with the cube as a rigid part with these mass properties, and more lines.
 fn with_inertia(inertia: &str, lines: &str) -> String {
@@ -149,4 +152,45 @@ fn global_planes_are_planes_of_symmetry() {
         assert!(report.contains("they are not those of a plane of symmetry"), "{report}");
         assert!(report.contains("*BOUNDARY_SPC_SET"), "{report}");
     }
+}
+
+/// Rigid shells without a thickness are met at their surface: a cube that flies against a wall of
+/// them comes as far as half of the thickness that contact needs, and is thrown back.
+#[test]
+fn rigid_shells_without_a_thickness_are_a_surface() {
+    let wall = |codes: &str, thickness: &str| {
+        let base = BASE.replace("plate\n1,1,1\n", "plate\n1,1,9\n");
+        let base = base.replace("1,2,1.0,3\n1.0\n", &format!("1,2,1.0,3\n{thickness}\n"));
+        format!(
+            "{base}{STEEL}*MAT_RIGID\n9,7.85e-6,207.0,0.3\n{codes}*SET_NODE_LIST\n4\n\
+             1,2,3,4,5,6,7,8\n*INITIAL_VELOCITY\n4\n0.0,0.0,5.0\n\
+             *CONTACT_AUTOMATIC_SINGLE_SURFACE\n0\n\n\n"
+        )
+    };
+    let held = model_of(&wall("1,7,7\n", "0.0").replace("\n10.0\n", "\n1.0\n"));
+    let said = describe(&held);
+    assert!(
+        said.contains("part 1: rigid shells without a thickness -> thickness 1.000e-1"),
+        "{said}"
+    );
+    assert!(held.warnings.iter().all(|w| !w.message.contains("no thickness")));
+    let mut highest = f64::NEG_INFINITY;
+    let end = run_alone(&held, |engine| {
+        let n = engine.nodes.local_index(NodeId(7)).expect("a corner of the cube") as usize;
+        highest = highest.max(engine.nodes.x[n][2]);
+    });
+    println!("highest {highest}");
+    // The plate is at 12; a step of 2e-3 at 5 is 0.01.
+    assert!((highest - 11.95).abs() < 0.02, "{highest}");
+    let corner = |id: u64| end.nodes.local_index(NodeId(id)).expect("a corner") as usize;
+    let back = (1..=8).map(|id| end.nodes.v[corner(id)][2]).sum::<f64>() / 8.0;
+    println!("velocity {back}");
+    // One cell stops its upper nodes on the wall, with the loss of such an impact.
+    assert!(back < -1.5 && back > -5.0, "it flies back: {back}");
+    // A wall that can move has the mass of that thickness, with a warning.
+    let free = model_of(&wall("", "0.0"));
+    let words = "part 1 is rigid and can move, and its shells have no thickness";
+    assert!(free.warnings.iter().any(|w| w.message.contains(words)), "{:?}", free.warnings);
+    let report = report_of(&wall("", "0.0").replace("1,1,9\n", "1,1,1\n"));
+    assert!(report.contains("have no `thickness`"), "{report}");
 }

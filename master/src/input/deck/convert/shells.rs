@@ -11,6 +11,11 @@ use crumple_proto::mesh::MeshElement;
 use crumple_worker::fem::elements::LARGEST_OFFSET;
 use std::collections::BTreeMap;
 
+/// Thickness over the side of a square as large as the mean shell of a rigid part whose section has
+/// none. It is far below the errors of contact by the size of the shells, and contact needs one
+/// above 0.
+const STAND_IN: f64 = 0.01;
+
 /// Difference of offsets over half the thickness that is round-off of the deck.
 const SAME_OFFSET: f64 = 1e-6;
 
@@ -35,7 +40,10 @@ impl DeckConverter {
                 "give the solids a separate part with a *SECTION_SOLID",
             );
         }
-        let thickness = self.shell_thickness(id, card, elements);
+        let mut thickness = self.shell_thickness(id, card, elements);
+        if thickness == 0.0 && material.rigid.is_some() {
+            thickness = self.stand_in_thickness(id, (record, card), material);
+        }
         table.put("thickness", card.place("t1"), thickness);
         if card.real("marea") != 0.0 {
             self.mass_of_area(id, card, material, thickness, table);
@@ -48,6 +56,48 @@ impl DeckConverter {
         self.shell_formulation(record, section, sections, elements, table);
         self.angles_of_points(record, card, material, table);
         self.replace_angles(id, material);
+    }
+
+    /// Returns the thickness of the shells of a rigid part whose section has none: rigid shells
+    /// have no stiffness that would need one, but a mass, and a thickness in contact [length].
+    fn stand_in_thickness(
+        &mut self,
+        id: i64,
+        (record, card): (&CardRecord, &CardRecord),
+        material: &DeckMaterial,
+    ) -> f64 {
+        let (mut area, mut count) = (0.0, 0);
+        for index in 0..self.rows.shells.len() {
+            let shell = self.rows.shells[index];
+            if i64::from(shell.part) == id {
+                area += self.size_of(&shell);
+                count += 1;
+            }
+        }
+        if count == 0 {
+            return 0.0;
+        }
+        let thickness = STAND_IN * (area / f64::from(count)).sqrt();
+        let mass = material.density * area * thickness;
+        self.map(
+            format!("part {id}"),
+            "rigid shells without a thickness",
+            format!(
+                "thickness {thickness:.3e}, {STAND_IN} of their side, in contact too, and the mass \
+                 {mass:.3e}"
+            ),
+        );
+        let is_held = material.rigid.as_ref().is_some_and(|fixed| fixed.len() == 6);
+        if !is_held && record.line("tm").is_none() {
+            let message = format!(
+                "part {id} is rigid and can move, and its shells have no thickness: it has the \
+                 mass {mass:.3e} of the thickness {thickness:.3e}"
+            );
+            let help = "give t1 of its section, or the mass by *PART_INERTIA; without effect if \
+                        its motion is prescribed or its body has other masses";
+            self.trouble.warning(card.place("t1"), message, help);
+        }
+        thickness
     }
 
     /// Gives a part its own material, whose density includes the mass per area of the section.

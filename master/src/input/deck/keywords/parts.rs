@@ -43,7 +43,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "formulation, thickness (the mean of t1 to t4), points and `offset` (-nloc) of the parts \
          that refer to it; nip 0 is 2. With icomp 1 the angles of the points are `angles`, for \
          materials with axes. marea, mass per area, is added to the density of the material of \
-         these parts",
+         these parts. Rigid parts without a thickness have a hundredth of the side of their shells",
     )
     .unused(&[
         no_effect("propt", "results have all points"),
