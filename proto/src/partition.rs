@@ -55,6 +55,9 @@ pub struct Settings {
     /// Vectors from beams towards their second axes at the start, by ascending element id
     /// [length].
     pub axes: Vec<(ElemId, [f64; 3])>,
+    /// Indices of the parts of springs whose direction is that from one node to another, with
+    /// these nodes; ascending.
+    pub followed: Vec<(u32, [NodeId; 2])>,
     /// Floating-point precision of shell and solid kernels.
     pub precision: Precision,
     /// Rigid walls.

@@ -9,6 +9,7 @@ use crate::erosion;
 use crate::fem::blocks::Portion;
 use crate::fem::elements::PassTotals;
 use crate::math::rigid_motion::RigidMotion;
+use crate::parallel::followed::follow_nodes;
 use crate::parallel::particles::sum_over_neighbours;
 use crate::parallel::reduction::{Limits, StepContribution};
 use crate::parallel::volumes::average_volumes;
@@ -20,10 +21,11 @@ use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;
 
 /// The stages of a step from t to t + dt, in their order.
-const STAGES: [StepStage; 17] = [
+const STAGES: [StepStage; 18] = [
     with_particles(Phase::Elements, sum_over_particles),
     with_nodal_volumes(Phase::Elements, average_nodal_volumes),
     with_airbags(Phase::Elements, fill_airbags),
+    with_followed_nodes(Phase::Elements, follow_directions),
     always(Phase::Elements, element_forces),
     always(Phase::Halo, exchange_element_forces),
     always(Phase::Assemble, accelerate),
@@ -56,6 +58,7 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
         Needs::Particles => engine.particles.is_some(),
         Needs::NodalVolumes => engine.blocks.volumes.is_some(),
         Needs::Airbags => !engine.airbags.is_empty(),
+        Needs::FollowedNodes => !engine.settings.followed.is_empty(),
     };
     let due: [bool; STAGES.len()] = std::array::from_fn(|i| has(STAGES[i].needs));
     let logged = tracing::enabled!(Level::TRACE);
@@ -86,6 +89,7 @@ enum Needs {
     Particles,
     NodalVolumes,
     Airbags,
+    FollowedNodes,
 }
 
 /// A stage of the step.
@@ -117,6 +121,10 @@ const fn with_nodal_volumes(phase: Phase, run: StageFunction) -> StepStage {
 
 const fn with_airbags(phase: Phase, run: StageFunction) -> StepStage {
     StepStage { phase, needs: Needs::Airbags, run }
+}
+
+const fn with_followed_nodes(phase: Phase, run: StageFunction) -> StepStage {
+    StepStage { phase, needs: Needs::FollowedNodes, run }
 }
 
 /// Values that one stage hands to a later one.
@@ -183,6 +191,16 @@ fn fill_airbags(
     airbags.fill(comm, loads, (nodes, constraints), Some(clock))?;
     cycle.agreed.failure = airbags.fault().map(|_| StepFailure::Airbag);
     Ok(())
+}
+
+/// Stores the directions of springs that follow nodes, at the present time.
+fn follow_directions(
+    engine: &mut Engine,
+    comm: &mut dyn Transport,
+    _: &mut Cycle,
+) -> Result<(), RankLost> {
+    let Engine { nodes, blocks, settings, .. } = engine;
+    follow_nodes(comm, nodes, blocks, settings)
 }
 
 /// Computes the element nodal forces of internal stress and pressure, by class. Interface elements

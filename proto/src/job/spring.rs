@@ -43,6 +43,15 @@ pub struct SpringInput {
     /// direction, of the second node against the first. Springs of zero length need it.
     #[serde(default)]
     pub direction: Option<[f64; 3]>,
+    /// Ids of two nodes: the direction is that from the first to the second one at each time,
+    /// instead of a fixed one. Their motion changes it without a force on them, so they should be
+    /// far from each other, and best nodes of a rigid body.
+    #[serde(default)]
+    pub direction_nodes: Option<[u64; 2]>,
+    /// Makes the force act along the line between the two nodes of a spring, projected onto the
+    /// plane normal to the direction, instead of along the direction.
+    #[serde(default)]
+    pub projected: bool,
     /// Bilinear plasticity.
     #[serde(default)]
     pub elastoplastic: Option<ElastoplasticSpring>,

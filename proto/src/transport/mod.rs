@@ -60,6 +60,8 @@ pub enum Tag {
     Volumes,
     /// Volumes of airbags.
     Airbags,
+    /// Nodes that directions of springs follow.
+    Followed,
 }
 
 /// Messages and bytes sent so far.

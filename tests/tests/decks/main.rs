@@ -20,6 +20,7 @@ mod discrete_beams;
 mod exported;
 mod fates;
 mod field_meshes;
+mod followed_directions;
 mod formats;
 mod honeycomb;
 mod joints;

@@ -248,6 +248,21 @@ impl Blocks {
         })
     }
 
+    /// Stores the present direction of the own elements of a part that follow two nodes.
+    pub fn set_directions(&mut self, part: u32, direction: [f64; 3]) {
+        for b in &mut self.blocks {
+            let is_of_part = self.elements[b.first].record.part == part;
+            let Some(first) = b.element.followed_direction().filter(|_| is_of_part) else {
+                continue;
+            };
+            for index in 0..b.count {
+                for (c, &component) in direction.iter().enumerate() {
+                    b.history.set_column(index, first + c, component);
+                }
+            }
+        }
+    }
+
     /// Computes forces of unstrained elements too from now on, so that timings of kernels
     /// represent strained elements.
     pub fn compute_all(&mut self) {

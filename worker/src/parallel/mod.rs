@@ -5,6 +5,7 @@ pub mod boxes;
 pub mod contact_decomposition;
 pub mod convergence;
 pub mod decomposition;
+pub mod followed;
 pub mod ghost_segments;
 pub mod ghosts;
 pub mod history_message;

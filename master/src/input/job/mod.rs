@@ -432,6 +432,7 @@ fn constrain(
     ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
     ties::lead(&settings.ties, &mut settings.loads.motions, findings);
     settings.histories = histories::resolve(job, mesh, settings, &sets, findings);
+    settings.followed = springs::followed(job, settings, &sets, findings);
     let turning = turning_parts(job);
     settings.rotations =
         !settings.rigid.is_empty() || mesh.elements.iter().any(|e| turns(e, &turning));

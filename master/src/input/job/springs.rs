@@ -17,10 +17,11 @@
 //! therefore remains available for other effects.
 
 use super::laws::BuiltElements;
-use super::state::{ElementStart, NodeStart};
+use super::state::{ElementStart, NodeSets, NodeStart};
 use super::ties::mean::excess as tie_excess;
 use super::validate::JobProblems;
 use crumple_proto::ids::NodeId;
+use crumple_proto::job::Job;
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
@@ -32,6 +33,47 @@ use std::collections::HashMap;
 /// Largest q, see above: elements lose at most a tenth of their step, and stiffer springs have a
 /// shorter step.
 const MOST: f64 = 0.2;
+
+/// Finds the nodes that directions of springs follow; returns them with the indices of the parts.
+pub fn followed(
+    job: &Job,
+    settings: &Settings,
+    sets: &NodeSets<'_>,
+    findings: &mut JobProblems,
+) -> Vec<(u32, [NodeId; 2])> {
+    let mut all = Vec::new();
+    for (part, index) in settings.parts.iter().zip(0..) {
+        let Some(ids) = part.spring.as_ref().and_then(|spring| spring.direction_nodes) else {
+            continue;
+        };
+        let place = job.part.iter().position(|p| p.id == part.id).unwrap_or(0);
+        let path = format!("part.{place}.spring.direction_nodes");
+        let mut fault = |message: String, help: &str| {
+            let message = format!("part {}: {message}", part.label());
+            findings.add(Problem::error(&path, message, help));
+        };
+        let [Some(first), Some(second)] = ids.map(|id| sets.labelled(id)) else {
+            let unknown = ids.into_iter().find(|&id| sets.labelled(id).is_none());
+            let id = unknown.unwrap_or_default();
+            let message = format!(
+                "the direction of its springs follows node {id}, which no \
+                                   element has"
+            );
+            fault(message, "name nodes that elements have, best of a rigid body");
+            continue;
+        };
+        if sets.coordinates(ids[0]) == sets.coordinates(ids[1]) {
+            let message = format!(
+                "the direction of its springs is that from node {} to node {}, which are at one \
+                 place",
+                ids[0], ids[1]
+            );
+            fault(message, "name two nodes that are apart");
+        }
+        all.push((index, [first, second]));
+    }
+    all
+}
 
 /// Data of a node for its springs.
 #[derive(Clone, Copy, Default)]

@@ -201,6 +201,12 @@ pub trait Element: Send + Sync {
         None
     }
 
+    /// Returns the first of three history columns that have to contain the direction of the element
+    /// before each pass, if it is that from one node to another (see [`spring`]).
+    fn followed_direction(&self) -> Option<usize> {
+        None
+    }
+
     /// Returns the volume in the middle of a step [length^3] and its change, at these coordinates
     /// of the corners and with these velocities, at the end of the step; both times the share of
     /// its volume strain that the element averages.

@@ -5,7 +5,10 @@
 //!
 //! With the elongation s since the start and its rate r at the last mid-step, the force is
 //! `F = f(s) + g(r)`, where f may have a memory ([`SpringLaw`]), along the unit vector e from the
-//! first node to the second, or along a fixed direction. Its work follows from the forces at both
+//! first node to the second, or along a direction a: a fixed one, or that between two other nodes
+//! at the present time, which columns hold. With `projected` it acts along the line between the
+//! nodes in the plane normal to a: x is then `x - (x . a) a` of the vector x between the nodes, e
+//! its unit vector, and s is measured by its length. The work follows from the forces at both
 //! ends of a step and the velocity between them, so that the energy balance is that of the central
 //! differences.
 //!
@@ -51,6 +54,8 @@ const LENGTH: usize = 1;
 const FORCE: usize = 2;
 /// Then those of the law.
 const LAW: usize = 5;
+/// Number of columns of a direction that follows nodes.
+const DIRECTION: usize = 3;
 /// Number of corners.
 const ENDS: usize = 2;
 
@@ -110,6 +115,10 @@ pub struct Spring {
     elongation: Box<dyn SpringLaw>,
     rate: PiecewiseLinear,
     direction: Option<V3>,
+    /// True if columns hold the direction.
+    follows: bool,
+    /// True if the line between the nodes is projected along the direction.
+    projected: bool,
     rotational: bool,
 }
 
@@ -177,6 +186,15 @@ fn build(part: &Part) -> ElementResult {
             "give a direction such as [0, 0, 1]",
         );
     }
+    let follows = spring.direction_nodes.is_some();
+    if follows && spring.direction.is_some() {
+        let what = "its springs have both direction and direction_nodes".into();
+        say("spring.direction_nodes", what, "give one of them");
+    }
+    if spring.projected && !follows && spring.direction.is_none() {
+        let what = "its springs are projected along no direction".into();
+        say("spring.projected", what, "give `direction` or `direction_nodes`");
+    }
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -184,6 +202,8 @@ fn build(part: &Part) -> ElementResult {
         elongation: laws.pop().and_then(|law| law.1).unwrap_or_else(|| Box::new(elastic)),
         rate: viscous,
         direction: direction.flatten(),
+        follows,
+        projected: spring.projected,
         rotational: spring.rotational,
     }))
 }
@@ -244,18 +264,33 @@ fn points(key: &str, points: &[[f64; 2]], say: &mut AddSpringProblem<'_>) -> boo
 }
 
 impl Spring {
-    /// Returns the length between two points, and the unit vector along which it is measured.
-    fn measure(&self, between: &V3) -> (f64, V3) {
-        match self.direction {
+    /// Returns the length between two points, and the unit vector along which it is measured, with
+    /// the columns of the element.
+    fn measure(&self, between: &V3, state: &[f64]) -> (f64, V3) {
+        let free = |line: &V3| (line.norm(), line.try_normalize(0.0).unwrap_or_default());
+        let held = || state[self.direction_column()..].first_chunk::<DIRECTION>();
+        let followed = || held().map(|direction| V3::from(*direction)).unwrap_or_default();
+        let direction = if self.follows { Some(followed()) } else { self.direction };
+        match direction {
+            None => free(between),
+            Some(normal) if self.projected => free(&(between - normal * normal.dot(between))),
             Some(along) => (along.dot(between), along),
-            None => (between.norm(), between.try_normalize(0.0).unwrap_or_default()),
         }
+    }
+
+    /// Returns the first column of a direction that follows nodes, after those of the law.
+    fn direction_column(&self) -> usize {
+        LAW + self.elongation.names().len()
     }
 }
 
 impl Element for Spring {
     fn columns(&self) -> usize {
-        LAW + self.elongation.names().len()
+        self.direction_column() + if self.follows { DIRECTION } else { 0 }
+    }
+
+    fn followed_direction(&self) -> Option<usize> {
+        self.follows.then(|| self.direction_column())
     }
 
     fn names(&self) -> Vec<String> {
@@ -263,7 +298,10 @@ impl Element for Spring {
             true => ["started", "rotation", "moment x", "moment y", "moment z"],
             false => ["started", "length", "force x", "force y", "force z"],
         };
-        names.iter().chain(self.elongation.names()).map(|name| name.to_string()).collect()
+        let followed = ["direction x", "direction y", "direction z"];
+        let followed = followed.into_iter().take(self.columns() - self.direction_column());
+        let own = names.iter().chain(self.elongation.names()).copied().chain(followed);
+        own.map(String::from).collect()
     }
 
     fn corner_mass(&self, _: &[[f64; 3]], _: OwnSection) -> (f64, f64) {
@@ -277,7 +315,7 @@ impl Element for Spring {
             let rates = if self.rotational { nodes.w } else { nodes.v };
             let [x, v] = [nodes.x, rates]
                 .map(|rows| V3::from(xyz(&rows[ends[1]])) - V3::from(xyz(&rows[ends[0]])));
-            let (length, along) = self.measure(&x);
+            let (length, along) = self.measure(&x, state);
             let rate = along.dot(&v);
             if self.rotational {
                 state[LENGTH] += rate * dt;
@@ -308,7 +346,7 @@ impl Element for Spring {
         Some(Discrete {
             stiffness,
             damping,
-            along_line: self.direction.is_none(),
+            along_line: self.projected || !self.follows && self.direction.is_none(),
             rotational: self.rotational,
         })
     }

@@ -18,6 +18,19 @@ const UNSERVED: [(&str, &str); 5] = [
     ("tdl", "a limit of tension"),
 ];
 
+/// Direction of springs on a card of `*DEFINE_SD_ORIENTATION`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DeckDirection {
+    /// A vector.
+    Fixed([f64; 3]),
+    /// From one node to another, at each time.
+    Nodes([u64; 2]),
+}
+
+/// Orientation of springs; true if the line between their nodes is projected onto the plane normal
+/// to the direction.
+pub type SpringOrientation = (DeckDirection, bool);
+
 impl DeckConverter {
     /// Converts elements and laws.
     pub(super) fn springs(&mut self) {
@@ -98,29 +111,33 @@ impl DeckConverter {
         }
     }
 
-    /// Returns the constant directions.
-    fn orientations(&mut self) -> BTreeMap<i64, [f64; 3]> {
+    /// Returns the orientations.
+    fn orientations(&mut self) -> BTreeMap<i64, SpringOrientation> {
         let mut found = BTreeMap::new();
         for record in self.take_records("DEFINE_SD_ORIENTATION") {
             for line in record.lines("vid") {
-                let (vid, along) = (line.integer("vid"), ["xt", "yt", "zt"].map(|c| line.real(c)));
-                if line.integer("iop") != 0 {
-                    let message = format!(
-                        "{}: vid {vid} follows nodes or is normal to a plane, which is not \
-                         supported",
-                        record.name()
-                    );
-                    self.unsupported(line.place("iop"), message, format!("{} iop", record.name()));
-                }
-                if along == [0.0; 3] && line.integer("iop") == 0 {
-                    let message = format!("{}: vid {vid} has no direction", record.name());
-                    self.trouble.error(
+                let (vid, iop) = (line.integer("vid"), line.integer("iop"));
+                let along = ["xt", "yt", "zt"].map(|c| line.real(c));
+                let nodes = ["nid1", "nid2"].map(|field| id(line.integer(field)));
+                let (direction, place, help) = match (iop, nodes) {
+                    (0 | 1, _) => (
+                        (along != [0.0; 3]).then_some(DeckDirection::Fixed(along)),
                         line.place("xt"),
-                        message,
-                        "give xt, yt, zt: a vector along the springs",
-                    );
-                }
-                found.insert(vid, along);
+                        "give xt, yt, zt: a vector along the springs, or normal to them",
+                    ),
+                    (2 | 3, [Some(from), Some(to)]) => {
+                        let nodes = [from, to].map(|node| node.0);
+                        (Some(DeckDirection::Nodes(nodes)), line.place("nid1"), "")
+                    }
+                    (2 | 3, _) => (None, line.place("nid1"), "give nid1 and nid2: two nodes"),
+                    _ => (None, line.place("iop"), "give an iop of 0 to 3"),
+                };
+                let Some(direction) = direction else {
+                    let message = format!("{}: vid {vid} has no direction", record.name());
+                    self.trouble.error(place, message, help);
+                    continue;
+                };
+                found.insert(vid, (direction, matches!(iop, 1 | 3)));
             }
         }
         found
@@ -156,8 +173,17 @@ impl DeckConverter {
         let Some(key) = self.spring_law(&SpringCard { card: &law, pid, scale }, &mut spring) else {
             return;
         };
-        if let Some(&(Some(direction), at)) = self.spring_directions.get(&pid) {
-            spring.put("direction", at, direction);
+        if let Some(&(Some((direction, projected)), at)) = self.spring_directions.get(&pid) {
+            match direction {
+                DeckDirection::Fixed(along) => spring.put("direction", at, along),
+                DeckDirection::Nodes(nodes) => {
+                    let ids = nodes.map(|node| i64::try_from(node).unwrap_or(i64::MAX));
+                    spring.put("direction_nodes", at, ids.to_vec());
+                }
+            }
+            if projected {
+                spring.put("projected", at, true);
+            }
         }
         let asked = match scale == 1.0 {
             true => law.name(),

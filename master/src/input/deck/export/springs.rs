@@ -11,9 +11,14 @@ use toml::{Table, Value};
 pub fn part(deck: &mut DeckWriter, part: &Part, spring: &SpringInput, mid: u64) {
     let id = u64::from(part.id);
     let mut rest = SpringInput::default();
+    let projected = u64::from(spring.projected);
     if let Some(direction) = spring.direction {
         deck.keyword("DEFINE_SD_ORIENTATION");
-        deck.card(&[&[Id(id), Id(0)][..], &direction.map(Number)].concat());
+        deck.card(&[&[Id(id), Id(projected)][..], &direction.map(Number)].concat());
+    } else if let Some(nodes) = spring.direction_nodes {
+        deck.keyword("DEFINE_SD_ORIENTATION");
+        let head = [Id(id), Id(2 + projected), Blank, Blank, Blank];
+        deck.card(&[&head[..], &nodes.map(Id)].concat());
     }
     let (keyword, fields) = law(deck, spring);
     if keyword.contains("SPRING") {
@@ -89,7 +94,8 @@ pub fn elements<'m>(
     elements: impl Iterator<Item = &'m MeshElement>,
     parts: &[Part],
 ) {
-    let is_directed = |part: &&Part| part.spring.as_ref().is_some_and(|s| s.direction.is_some());
+    let has = |s: &SpringInput| s.direction.is_some() || s.direction_nodes.is_some();
+    let is_directed = |part: &&Part| part.spring.as_ref().is_some_and(has);
     let directed: BTreeSet<u32> = parts.iter().filter(is_directed).map(|p| p.id).collect();
     let mut springs = elements.filter(|e| e.shape == Shape::Line2).peekable();
     if springs.peek().is_some() {

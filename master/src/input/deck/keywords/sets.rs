@@ -138,10 +138,11 @@ pub const KEYWORDS: &[Keyword] = &[
     .options(&["TITLE"]),
     Keyword::new(
         "DEFINE_SD_ORIENTATION",
-        &[("vid:i! iop:i xt:r yt:r zt:r nid1:i nid2:i", Rest)],
-        "`spring.direction`; iop has to be 0",
+        &[("heading:l", Count(title)), ("vid:i! iop:i xt:r yt:r zt:r nid1:i nid2:i", Rest)],
+        "`spring.direction`, or with iop 2 and 3 `direction_nodes`; with iop 1 and 3 `projected`. \
+         The nodes have to belong to elements",
     )
-    .unused(&[no_effect("nid1 nid2", "they are for other values of iop")]),
+    .options(&["TITLE"]),
     Keyword::new(
         "DEFINE_VECTOR",
         &[("heading:l", Count(title)), ("vid:i! xt:r yt:r zt:r xh:r yh:r zh:r cid:i", Rest)],

@@ -206,6 +206,13 @@ impl StarterWriter<'_> {
         if let Some(direction) = spring.direction {
             own.insert("direction".into(), Value::from(direction.to_vec()));
         }
+        if let Some(nodes) = spring.direction_nodes {
+            let ids = nodes.map(|id| i64::try_from(id).unwrap_or(i64::MAX));
+            own.insert("direction_nodes".into(), Value::from(ids.to_vec()));
+        }
+        if spring.projected {
+            own.insert("projected".into(), true.into());
+        }
         if !own.is_empty() {
             let table = Table::from_iter([named(&part.name), ("spring".into(), own.into())]);
             self.rest("part", table);
