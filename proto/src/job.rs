@@ -28,7 +28,9 @@ pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
 pub use discrete_beam::{AxisSpring, BeamAxis, DiscreteBeamInput, TurningNode};
 pub use joint::{JointInput, JointKind, JointResistance};
-pub use loads::{CurveInput, GravityInput, LoadInput, MotionInput, PressureInput, Symmetry};
+pub use loads::{
+    CurveInput, GravityInput, LoadInput, MotionInput, NonReflectingInput, PressureInput, Symmetry,
+};
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use part_ref::PartRef;
 pub use particles::ParticlesInput;
@@ -134,6 +136,9 @@ pub struct Job {
     /// Pressures on faces; all entries are added.
     #[serde(default)]
     pub pressure: Vec<PressureInput>,
+    /// Boundaries that let waves out; all entries are added.
+    #[serde(default)]
+    pub non_reflecting: Vec<NonReflectingInput>,
     /// Airbags.
     #[serde(default)]
     pub airbag: Vec<AirbagInput>,

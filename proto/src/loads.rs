@@ -21,6 +21,18 @@ pub struct ResolvedLoads {
     pub motions: Vec<PrescribedMotion>,
     /// Mass-proportional damping [1/time], 0 for none.
     pub damping: f64,
+    /// Dampers at nodes of boundaries that let waves out, in ascending id.
+    pub absorbers: Vec<Absorber>,
+}
+
+/// Dampers between a node and the space.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Absorber {
+    /// Node.
+    pub node: NodeId,
+    /// Symmetric matrix, xx, yy, zz, xy, yz, zx: the force is minus its product with the velocity
+    /// [mass/time].
+    pub damping: [f64; 6],
 }
 
 /// Body load.

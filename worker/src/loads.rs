@@ -1,5 +1,5 @@
-//! Loads: body forces, nodal forces, pressure on faces and of airbags, and damping proportional to
-//! mass.
+//! Loads: body forces, nodal forces, pressure on faces and of airbags, damping proportional to
+//! mass, and dampers at nodes of boundaries that let waves out.
 //!
 //! Pressure is added to the element nodal forces of the loaded element, so that the assembly sums
 //! it in ascending element id with all other forces. Work is force times the mean of the
@@ -15,8 +15,8 @@ use crate::time::StepSizes;
 use crate::work::{Work, WorkSum};
 use crumple_proto::airbag::ResolvedAirbag;
 use crumple_proto::exact_sum::ExactSum;
-use crumple_proto::loads::{Gravity, Pressure, ResolvedLoads};
-use nalgebra::Vector3;
+use crumple_proto::loads::{Absorber, Gravity, Pressure, ResolvedLoads};
+use nalgebra::{Matrix3, Vector3};
 
 /// Loads on the nodes and elements of this worker, by local index.
 #[derive(Debug, Default)]
@@ -32,6 +32,7 @@ pub struct Loads {
     /// Gauge pressure of each airbag at the present time [force/length^2].
     pub airbag_pressures: Vec<f64>,
     faces: Vec<LoadedFace>,
+    absorbers: Vec<LocalAbsorber>,
     /// Damping coefficient [1/time].
     pub damping: f64,
     /// Acceleration of all body forces at the present time [length/time^2].
@@ -51,6 +52,7 @@ stateless!(Loads {
     airbags,
     airbag_pressures,
     faces,
+    absorbers,
     damping,
     falling,
     cycles
@@ -58,6 +60,18 @@ stateless!(Loads {
 stateless!(PartGravity { job, shares, falling });
 stateless!(LocalForce { job, nodes, factor });
 stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, shares, force });
+
+stateless!(LocalAbsorber { job, node, impulse });
+
+/// Dampers of a local node.
+#[derive(Debug)]
+struct LocalAbsorber {
+    job: Absorber,
+    /// Local node, if it is here.
+    node: Option<u32>,
+    /// Impulse in the last step [force time].
+    impulse: Row,
+}
 
 /// A body force on a fraction of the masses of some local nodes.
 #[derive(Debug)]
@@ -156,6 +170,11 @@ impl Loads {
             airbags: job.airbags.clone(),
             airbag_pressures: Vec::new(),
             faces: Vec::new(),
+            absorbers: job
+                .absorbers
+                .iter()
+                .map(|a| LocalAbsorber { job: a.clone(), node: None, impulse: [0.0; 4] })
+                .collect(),
             damping: job.damping,
             falling: [0.0; 4],
             cycles: Vec::new(),
@@ -166,6 +185,9 @@ impl Loads {
     pub fn bind_local(&mut self, nodes: &Nodes, blocks: &Blocks, subcycles: u64) {
         for f in &mut self.forces {
             f.nodes = f.job.nodes.iter().filter_map(|&id| nodes.local_index(id)).collect();
+        }
+        for absorber in &mut self.absorbers {
+            absorber.node = nodes.local_index(absorber.job.node);
         }
         for g in &mut self.of_parts {
             let shares = g.job.shares.iter().flatten();
@@ -354,6 +376,36 @@ impl Loads {
         }
     }
 
+    /// Lets the dampers of nodes act on the velocities without contact, in the middle of the step
+    /// as [`Self::apply_damping`]: `(M + mid/2 C) (v+ - v*) = -mid/2 C (v- + v*)` with the velocity
+    /// v* without them. The step stays stable at the stable step of the elements.
+    pub fn absorb_waves(&mut self, nodes: &mut Nodes, mid: f64) {
+        for absorber in &mut self.absorbers {
+            absorber.impulse = [0.0; 4];
+            let Some(i) = absorber.node.map(|n| n as usize) else { continue };
+            let (mass, half) = (nodes.mass[i], 0.5 * mid);
+            if mass <= 0.0 {
+                continue;
+            }
+            let [xx, yy, zz, xy, yz, zx] = absorber.job.damping.map(|c| half * c);
+            let damping = Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz);
+            let sum = |c: usize| nodes.v[i][c] + nodes.v_next[i][c];
+            let mut force = -(damping * Vector3::new(sum(0), sum(1), sum(2)));
+            let mut matrix = damping + Matrix3::from_diagonal_element(mass);
+            for c in (0..3).filter(|&c| nodes.inv_mass[i][c] == 0.0) {
+                matrix.set_row(c, &Matrix3::identity().row(c));
+                matrix.set_column(c, &Matrix3::identity().column(c));
+                force[c] = 0.0;
+            }
+            let Some(inverse) = matrix.try_inverse() else { continue };
+            let change = inverse * force;
+            for c in 0..3 {
+                nodes.v_next[i][c] += change[c];
+                absorber.impulse[c] = mass * change[c];
+            }
+        }
+    }
+
     /// Adds the work done on owned nodes and elements in the step to `sum`. The velocities at its
     /// end must be known.
     pub fn add_work(&self, nodes: &Nodes, steps: StepSizes, set: ElementSet, sum: &mut WorkSum) {
@@ -384,6 +436,10 @@ impl Loads {
         for face in self.faces.iter().filter(|f| f.is_in(set)) {
             let corners = face.nodes.iter().zip(&face.force);
             sum.add(corners.map(|(&n, f)| moved(f, n as usize)).sum::<Work>() * mid);
+        }
+        for absorber in &self.absorbers {
+            let owned = absorber.node.map(|n| n as usize).filter(|&i| nodes.is_owned(i));
+            owned.into_iter().for_each(|i| sum.add(moved(&absorber.impulse, i)));
         }
         if self.damping > 0.0 {
             own().for_each(|i| sum.add(self.damped(nodes, i, mid)));

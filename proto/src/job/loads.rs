@@ -68,6 +68,34 @@ pub struct PressureInput {
     pub curve: Option<String>,
 }
 
+/// Boundary that lets waves out of solids, as if the material continued behind it: on outer faces
+/// of solids act the tractions `-rho c_p v_n` along the normal and `-rho c_s v_t` in the plane,
+/// with the elastic wave speeds and the shape at the start (Lysmer & Kuhlemeyer 1969). Waves along
+/// the normal leave; oblique ones are reflected in part. The energy that leaves is work of
+/// external forces. Nodes of rigid bodies have no such forces.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NonReflectingInput {
+    /// Parts whose outer faces all belong to it.
+    #[serde(default)]
+    #[schemars(with = "Vec<PartRef>")]
+    pub parts: Vec<u32>,
+    /// Node set. The faces whose nodes are all in the set belong to it; with `parts`, only those of
+    /// these parts.
+    #[serde(default)]
+    pub nodes: Option<String>,
+    /// Lets waves of dilatation out.
+    #[serde(default = "yes")]
+    pub pressure_waves: bool,
+    /// Lets shear waves out.
+    #[serde(default = "yes")]
+    pub shear_waves: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
 /// Prescribed motion of a node set or a rigid body: exactly one of `velocity`, `displacement`,
 /// `acceleration`, `spin` and `rotation`. Contact and walls do not change it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]

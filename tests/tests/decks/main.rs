@@ -29,6 +29,7 @@ mod mesh_details;
 mod mesh_files;
 mod models;
 mod nastran_sets;
+mod non_reflecting;
 mod odd_files;
 mod particles;
 mod radioss;

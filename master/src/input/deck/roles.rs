@@ -281,6 +281,7 @@ const ROLES: &[(&str, &str)] = &[
     ("DEFINE_VECTOR", "xt=@x xh=@x"),
     ("DEFINE_COORDINATE_SYSTEM", "xo=@x xl=@x xp=@x"),
     ("DEFINE_COORDINATE_NODES", "flag=1"),
+    ("BOUNDARY_NON_REFLECTING", "ad=1 as=1"),
     ("BOUNDARY_SPC*", "dofx=1 dofy=1 dofz=1 dofrx=1 dofry=1 dofrz=1"),
     ("BOUNDARY_PRESCRIBED_MOTION*", "dof=1 vad=1 sf=1 death=t birth=t offset1=l offset2=l"),
     ("INITIAL_VELOCITY_GENERATION", "styp=1 omega=w vx=@v ivatn=1 xc=@x nx=@d phase=1 irigid=1"),

@@ -35,6 +35,7 @@ mod loads;
 mod mesh;
 mod model;
 pub mod node_sets;
+mod non_reflecting;
 mod numbering;
 mod part_names;
 mod particles;
@@ -426,6 +427,7 @@ fn constrain(
     let sets = state::NodeSets::new(job, mesh);
     let mut nodes = state::nodes(job, mesh, &sets, findings);
     settings.loads = loads::resolve(job, mesh, &sets, smallest, &mut nodes, findings);
+    settings.loads.absorbers = non_reflecting::resolve(job, mesh, settings, &sets, findings);
     settings.walls = walls::resolve(job, &sets, findings);
     settings.rigid = rigid::resolve(job, mesh, settings, &sets, &mut nodes, findings);
     settings.joints = joints::resolve(job, findings);

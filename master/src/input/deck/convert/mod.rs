@@ -202,6 +202,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.body_loads();
     b.nodal_loads();
     b.pressures();
+    b.non_reflecting();
     b.airbags();
     b.walls();
     b.interior_contacts();

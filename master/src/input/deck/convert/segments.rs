@@ -95,6 +95,34 @@ impl DeckConverter {
         }
     }
 
+    /// Converts `*BOUNDARY_NON_REFLECTING`.
+    pub(super) fn non_reflecting(&mut self) {
+        let mut number = 0;
+        for record in self.take_records("BOUNDARY_NON_REFLECTING") {
+            let lines: Vec<CardLine> = record.lines("ssid").cloned().collect();
+            for line in lines {
+                let (ssid, place) = (line.integer("ssid"), line.place("ssid"));
+                let Some(segments) = self.segment_sets.get(&ssid).cloned() else {
+                    let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
+                    self.missing(place, "*SET_SEGMENT", ssid, &known);
+                    continue;
+                };
+                for (_, group, nodes) in self.groups_of_faces(&segments, false) {
+                    number += 1;
+                    let set = format!("non-reflecting-{number}");
+                    self.rows.add_set(set.clone(), nodes, group);
+                    let mut table = JobTable::new(line.place).with("nodes", place, set);
+                    for (field, key) in [("ad", "pressure_waves"), ("as", "shear_waves")] {
+                        if line.real(field) != 0.0 {
+                            table.put(key, line.place(field), false);
+                        }
+                    }
+                    self.add("non_reflecting", table);
+                }
+            }
+        }
+    }
+
     /// Converts `*LOAD_SHELL_...`: pressures against the normals of shells.
     fn shell_pressures(&mut self) -> Vec<SegmentPressure> {
         let mut loads = Vec::new();

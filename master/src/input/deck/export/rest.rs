@@ -52,6 +52,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
             time.extend(limit);
         }
     }
+    list(deck, "non_reflecting", &job.non_reflecting);
     list(deck, "require", &job.require);
     if !job.placeholders.is_empty() {
         deck.note("placeholders", LeftReason::Lost, job.placeholders.len());

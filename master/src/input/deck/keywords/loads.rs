@@ -178,6 +178,12 @@ pub const KEYWORDS: &[Keyword] = &[
         "the same on a set of segments",
     ),
     Keyword::new(
+        "BOUNDARY_NON_REFLECTING",
+        &[("ssid:i! ad:r as:r", Rest)],
+        "`[[non_reflecting]]`: dampers at the nodes of these faces of solids; ad and as other than 0 \
+         switch off those of dilatational and shear waves",
+    ),
+    Keyword::new(
         "LOAD_SHELL_ELEMENT",
         &[("eid:i! lcid:i! sf:r=1 at:r", Rest)],
         "`[[pressure]]` on a shell, positive against its normal",

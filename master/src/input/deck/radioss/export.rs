@@ -383,6 +383,7 @@ impl StarterWriter<'_> {
         differing(deck, "checkpoint", &job.checkpoint, &Checkpoint::default(), &[]);
         list(deck, "symmetry", &job.symmetry);
         list(deck, "airbag", &job.airbag);
+        list(deck, "non_reflecting", &job.non_reflecting);
         list(deck, "require", &job.require);
         let referring = ["pressure", "airbag", "load", "motion", "wall"];
         if referring.iter().any(|key| deck.rest.contains_key(*key)) {

@@ -83,6 +83,7 @@ pub const SET_KEYS: &[SetKey] = &[
     row("initial_velocity", "nodes", |job| names(&job.initial_velocity, |v| v.nodes.as_ref())),
     row("load", "nodes", |job| names(&job.load, |l| Some(&l.nodes))),
     row("pressure", "nodes", |job| names(&job.pressure, |p| p.nodes.as_ref())),
+    row("non_reflecting", "nodes", |job| names(&job.non_reflecting, |b| b.nodes.as_ref())),
     row("airbag", "nodes", |job| names(&job.airbag, |bag| bag.nodes.as_ref())),
     row("motion", "nodes", |job| names(&job.motion, |m| m.nodes.as_ref())),
     row("rigid", "nodes", |job| names(&job.rigid, |r| r.nodes.as_ref())),
