@@ -22,6 +22,69 @@ fn set(model: &Model, name: &str) -> Vec<u64> {
     found.iter().map(|n| n.label()).collect()
 }
 
+/// Iflag 1: the engineering stress `(a + b eps^n) exp(-eps)` has its maximum, the given ultimate
+/// stress, at the given engineering strain.
+#[test]
+fn an_ultimate_stress_gives_the_hardening() {
+    let law =
+        |numbers: &str| of_law(&format!("/MAT/LAW2/1\n=m\nr7.85e-6\nr200.0 r0.3 i1\n{numbers}"));
+    let (yields, ultimate, strain) = (0.3, 0.5, 0.2f64);
+    let found = law(&format!("r{yields} r{ultimate} r{strain}"));
+    let [a, b, n] = ["a", "b", "n"].map(|key| number(&found, key));
+    assert_eq!(a, yields);
+    assert!(n > 0.0 && n < 1.0, "{n}");
+    let engineering = |e: f64| (a + b * (1.0 + e).ln().powf(n)) / (1.0 + e);
+    println!("b {b}, n {n}, {}", engineering(strain));
+    assert!((engineering(strain) / ultimate - 1.0).abs() < 1e-12);
+    for e in [0.5 * strain, 0.9 * strain, 1.1 * strain, 2.0 * strain] {
+        assert!(engineering(e) < ultimate, "{e}: {}", engineering(e));
+    }
+    // Little hardening up to a large stress: a straight line that ends there.
+    let steep = law("r0.3 r0.31 r0.3");
+    let [b, s] = [number(&steep, "hardening_modulus"), 0.31 * 1.3];
+    let plastic = 1.3f64.ln() - (s + 0.3) / 200.0;
+    assert_eq!(steep.job.material[0].law, "j2");
+    assert!((b / ((s - 0.3) / plastic) - 1.0).abs() < 1e-12, "{b}");
+    // An ultimate stress below the yield stress: no hardening.
+    let flat = law("r0.3 r0.2 r0.1");
+    assert_eq!((number(&flat, "yield_stress"), flat.job.material[0].law.as_str()), (0.3, "j2"));
+    assert!(!flat.job.material[0].parameters.contains_key("hardening_modulus"));
+}
+
+/// Limits of the largest principal strain, with and without the strain at which the stress begins
+/// to fall.
+#[test]
+fn the_largest_strain_fades_the_stress() {
+    let law = |fail: &str| {
+        of_law(&format!("/MAT/ELAST/1\n=m\nr7.85e-6\nr200.0 r0.3\n/FAIL/TENSSTRAIN/1\n{fail}"))
+    };
+    let fading = law("r0.1 r0.2");
+    let keys = ["erosion_major_strain_start", "erosion_major_strain"];
+    assert_eq!(keys.map(|key| number(&fading, key)), [0.1, 0.2]);
+    assert!(said(&fading).contains("removes a shell with its first failed point"));
+    let sudden = law("r0 r0 i0 r0.3");
+    assert_eq!(number(&sudden, keys[1]), 0.3);
+    assert!(!sudden.job.material[0].parameters.contains_key(keys[0]));
+    let backwards = law("r0.3 r0.2");
+    assert!(said(&backwards).contains("epst1 0.3 -> not used"), "{}", said(&backwards));
+    for (fail, words) in [
+        ("r0.1 r0.2 i7", "`fct` = 7"),
+        ("r0.1 r0.2 i0 r0.15", "`epsf1` = 0.15"),
+        ("r0.1 r0.2 i0 r0 r0.1", "`epsf2` = 0.1"),
+        ("r0.1 r0.2 i0 r0 r0 i3", "`sflag` = 3"),
+        ("r0.1 r0.2 i0 r0 r0 i2\ni9 r1 r1\ni8", "`fctel` = 9"),
+    ] {
+        let text = mesh()
+            + &properties()
+            + &moves()
+            + &deck(&format!(
+                "/MAT/ELAST/1\n=m\nr7.85e-6\nr200.0 r0.3\n/FAIL/TENSSTRAIN/1\n{fail}"
+            ));
+        let report = super::reading(&text, &[]).err().unwrap_or_else(|| panic!("{fail}"));
+        assert!(report.contains(words), "{words}: {report}");
+    }
+}
+
 /// A deck with another material.
 fn of_law(lines: &str) -> Model {
     model(&(mesh() + &properties() + &moves() + &deck(lines)))

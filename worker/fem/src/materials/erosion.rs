@@ -11,6 +11,12 @@
 //! with the material. A point fails as soon as one of them holds; its stress is zero from
 //! then on. Each criterion has the key of its name with `erosion_` before it.
 //!
+//! With `major_strain_start` e_s the stress fades before it: a point carries the share
+//! ```text
+//! 1 - max over time of (eps_1 - e_s)/(major_strain - e_s)
+//! ```
+//! of the stress of the law, between 0 and 1. It does not rise again when the strain falls.
+//!
 //! A law without criteria is not wrapped, so that it runs the same code as before.
 
 use super::tensor::{Principal, deviator, inner, trace};
@@ -67,7 +73,16 @@ pub const EROSION: &[ParameterRow] = &[
         "Logarithm of the volume at the start over the present one from which on a point fails. \
          For solids.",
     ),
+    row(
+        "erosion_major_strain_start",
+        "Largest principal strain from which on the stress falls, in proportion to the strain, \
+         until it is zero at `erosion_major_strain`; it has to be below it.",
+    ),
 ];
+
+/// Places in [`EROSION`].
+const MAJOR_STRAIN: usize = 7;
+const START: usize = 9;
 
 /// Column that marks failure.
 const FAILED: &str = "failed";
@@ -113,6 +128,14 @@ pub fn split(material: &Material) -> Result<(Material, ErosionLimits), Vec<Probl
             }
         }
     }
+    if let Some(start) = limits[START]
+        && limits[MAJOR_STRAIN].is_none_or(|end| start >= end)
+    {
+        let key = EROSION[START].key;
+        let message = format!("material '{}': {key} is {start:?}", material.name);
+        let help = "it has to be below erosion_major_strain, which has to be given";
+        problems.push(Problem::error(key, message, help));
+    }
     if problems.is_empty() { Ok((rest, limits)) } else { Err(problems) }
 }
 
@@ -128,6 +151,8 @@ struct Erosion {
     plane: Option<usize>,
     /// First column of the strain of solids.
     strain: Option<usize>,
+    /// Column of the share of the stress that has faded.
+    faded: Option<usize>,
 }
 
 impl Erosion {
@@ -139,9 +164,10 @@ impl Erosion {
         let volume = limits[5].or(limits[8]).map(|_| columns.add("erosion volume"));
         let thickness = limits[6].map(|_| columns.add("erosion thickness strain"));
         let of_solid = columns.of_solid();
-        let major = limits[7].is_some();
+        let major = limits[MAJOR_STRAIN].is_some();
         let plane = (major && !of_solid).then(|| PLANE_STRAIN.map(|name| columns.add(name))[0]);
         let strain = (major && of_solid).then(|| STRAIN.map(|name| columns.add(name))[0]);
+        let faded = limits[START].map(|_| columns.add("erosion faded"));
         let failed = columns.add(FAILED);
         let plastic_strain = columns.find("plastic_strain");
         let missing = if limits[4].is_some() && plastic_strain.is_none() {
@@ -156,7 +182,47 @@ impl Erosion {
             let message = format!("material '{}': {key} is given, but {why}", material.name);
             return Err(vec![Problem::error(key, message, "remove it")]);
         }
-        Ok(Self { limits, failed, plastic_strain, volume, thickness, plane, strain })
+        Ok(Self { limits, failed, plastic_strain, volume, thickness, plane, strain, faded })
+    }
+
+    /// Returns the largest principal strain; none if no column has the strain.
+    #[inline(always)]
+    fn major_strain<R: Real>(&self, state: &[R]) -> Option<R> {
+        if let Some(column) = self.plane {
+            let [x, y, xy] = std::array::from_fn(|c| state[column + c]);
+            let (half, apart) = (R::splat(0.5), x - y);
+            let radius = apart.mul_add(apart, xy * xy).sqrt();
+            return Some(half * (x + y + radius));
+        }
+        let column = self.strain?;
+        let [a, b, c] = Principal::new(&std::array::from_fn(|c| state[column + c])).values;
+        Some(Real::max(Real::max(a, b), c))
+    }
+
+    /// Returns the share of the stress of the law that acts.
+    #[inline(always)]
+    fn intact<R: Real>(&self, state: &[R]) -> Option<R> {
+        let left = R::splat(1.0) - state[self.faded?];
+        // A point without stress has failed.
+        Some(R::select(left.gt(R::zero()), left, R::splat(1.0)))
+    }
+
+    /// Lets the stress fade with the strain; `before` is the share that acted. Returns the factor
+    /// on the stiffness.
+    #[inline(always)]
+    fn fade<R: Real>(&self, state: &mut [R], stress: usize, before: R) -> R {
+        let (Some(faded), Some(start), Some(end)) =
+            (self.faded, self.limits[START], self.limits[MAJOR_STRAIN])
+        else {
+            return R::splat(1.0);
+        };
+        let strain = self.major_strain(state).unwrap_or_else(R::zero);
+        let share = (strain - R::splat(start)) * R::splat(1.0 / (end - start));
+        let share = Real::min(Real::max(share, state[faded]), R::splat(1.0));
+        state[faded] = share;
+        let after = R::splat(1.0) - share;
+        state[..stress].iter_mut().for_each(|s| *s = after * *s);
+        after / before
     }
 
     /// Marks failure by the stress (xx, yy, zz, xy, yz, zx) and the columns; removes the stress of
@@ -193,15 +259,8 @@ impl Erosion {
         if let Some(column) = self.thickness {
             at_least(-state[column], self.limits[6]);
         }
-        if let Some(column) = self.plane {
-            let [x, y, xy] = std::array::from_fn(|c| state[column + c]);
-            let (half, apart) = (R::splat(0.5), x - y);
-            let radius = apart.mul_add(apart, xy * xy).sqrt();
-            at_least(half * (x + y + radius), self.limits[7]);
-        }
-        if let Some(column) = self.strain {
-            let [a, b, c] = Principal::new(&std::array::from_fn(|c| state[column + c])).values;
-            at_least(Real::max(Real::max(a, b), c), self.limits[7]);
+        if let Some(strain) = self.major_strain(state) {
+            at_least(strain, self.limits[MAJOR_STRAIN]);
         }
         let failed = R::select(fails, one, state[self.failed]);
         state[self.failed] = failed;
@@ -213,6 +272,10 @@ impl Erosion {
 impl LawModifier for Erosion {
     #[inline(always)]
     fn update<R: Real>(&self, state: &mut [R], strain: &[R], law: impl FnOnce(&mut [R]) -> R) -> R {
+        let before = self.intact(state);
+        if let Some(before) = before {
+            state[..strain.len()].iter_mut().for_each(|s| *s = *s / before);
+        }
         let of_law = law(state);
         if let Some(column) = self.thickness {
             state[column] += of_law;
@@ -229,8 +292,9 @@ impl LawModifier for Erosion {
         if let Some(column) = self.volume {
             state[column] += strain[0] + strain[1] + strain[2];
         }
+        let left = before.map(|before| self.fade(state, strain.len(), before));
         self.fail(&full_stress(state, strain.len()), state, strain.len());
-        of_law
+        left.map_or(of_law, |left| of_law * left)
     }
 }
 
@@ -270,6 +334,7 @@ pub fn that_can_fail(law: Box<dyn Solid>) -> Box<dyn Solid> {
             thickness: None,
             plane: None,
             strain: None,
+            faded: None,
         })
     };
     match wrapped::solid(law, none) {
@@ -302,6 +367,43 @@ mod tests {
         cube.step(path.map(|e| 1e-3 * e), 1.0);
         assert!(cube.state[..6].iter().all(|s| *s == 0.0), "{:?}", cube.state);
         1e-6 * steps
+    }
+
+    /// Stretched along x with nu = 0, the stress is `(1 - D) E eps` with the share D that grows
+    /// from the start to the end of fading; it does not rise again, and ends at the limit.
+    #[test]
+    fn stress_fades_before_the_limit_of_the_major_strain() {
+        let (start, end) = (0.004, 0.0121);
+        let fading = [
+            ("youngs_modulus", E),
+            ("poisson", 0.0),
+            ("erosion_major_strain", end),
+            ("erosion_major_strain_start", start),
+        ];
+        let law = material("elastic", &fading, &[]);
+        let (mut cube, mut sheet) = (Cube::new(&law), Sheet::new(&law));
+        let (mut strain, mut most) = (0.0, 0.0f64);
+        let path = (0..80).map(|k| if (40..50).contains(&k) { -1.0 } else { 1.0 });
+        for sign in path {
+            let step = sign * 2e-4;
+            cube.step([step, 0.0, 0.0, 0.0, 0.0, 0.0], 1.0);
+            sheet.step([step, 0.0, 0.0], 1.0);
+            strain += step;
+            most = most.max(strain);
+            let lost = ((most - start) / (end - start)).clamp(0.0, 1.0);
+            let expected = (1.0 - lost) * E * strain;
+            for stress in [cube.state[0], sheet.state[0]] {
+                assert!((stress - expected).abs() < 1e-10, "{strain}: {stress}, {expected}");
+            }
+            assert_eq!(cube.at("failed") == 1.0, most > end, "{strain}");
+        }
+        for (numbers, words) in [
+            (&[("erosion_major_strain_start", 0.1)][..], "it has to be below"),
+            (&[("erosion_major_strain_start", 0.1), ("erosion_major_strain", 0.1)], "below"),
+        ] {
+            let found = problems(&glass(numbers));
+            assert!(found.contains(words), "{found}");
+        }
     }
 
     /// Each criterion at the strain of its closed form, within a step.

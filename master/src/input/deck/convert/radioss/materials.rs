@@ -1,4 +1,4 @@
-//! Converts `/MAT/...` and `/FAIL/JOHNSON`: laws and their parameters.
+//! Converts `/MAT/...`, `/FAIL/JOHNSON` and `/FAIL/TENSSTRAIN`: laws and their parameters.
 
 use super::StarterConverter;
 use crate::input::deck::convert::materials::{DeckMaterial, hardening_curve};
@@ -26,7 +26,8 @@ const KEYWORDS: [&str; 5] = ["/MAT/LAW0", "/MAT/LAW1", "/MAT/LAW2", "/MAT/LAW36"
 impl StarterConverter {
     /// Returns all materials by id.
     pub(super) fn materials(&mut self) -> BTreeMap<i64, DeckMaterial> {
-        let failures = self.failures();
+        let failures = self.failures("/FAIL/JOHNSON");
+        let strains = self.failures("/FAIL/TENSSTRAIN");
         let mut found: BTreeMap<i64, DeckMaterial> = BTreeMap::new();
         for record in self.take(&KEYWORDS) {
             let (id, place) = (record.integer("id"), record.place("id"));
@@ -45,6 +46,9 @@ impl StarterConverter {
             if let (Some(failure), true) = (failures.get(&id), keyword != "/MAT/LAW2") {
                 let message = format!("/FAIL/JOHNSON/{id}: the law of the material is {keyword}");
                 self.deck.unsupported(failure.head, message, "/FAIL/JOHNSON".into());
+            }
+            if let Some(limits) = strains.get(&id) {
+                self.largest_strain(limits, &mut table);
             }
             let density = record.real("rho");
             let material = DeckMaterial {
@@ -70,7 +74,9 @@ impl StarterConverter {
                 self.twice("materials", id, place);
             }
         }
-        for (id, failure) in failures.iter().filter(|(id, _)| !found.contains_key(id)) {
+        for (id, failure) in
+            failures.iter().chain(&strains).filter(|(id, _)| !found.contains_key(id))
+        {
             let known: Vec<String> = found.keys().map(i64::to_string).collect();
             self.deck.missing(failure.place("id"), "/MAT/...", *id, &known);
         }
@@ -78,9 +84,51 @@ impl StarterConverter {
     }
 
     /// Returns the cards of failure by the id of their material.
-    fn failures(&mut self) -> BTreeMap<i64, CardRecord> {
-        let records = self.take(&["/FAIL/JOHNSON"]);
+    fn failures(&mut self, keyword: &'static str) -> BTreeMap<i64, CardRecord> {
+        let records = self.take(&[keyword]);
         records.into_iter().map(|record| (record.integer("id"), record)).collect()
+    }
+
+    /// Converts limits of the largest principal strain.
+    fn largest_strain(&mut self, card: &CardRecord, table: &mut JobTable) {
+        let given = |field: &str| Some(card.real(field)).filter(|e| *e > 0.0 && *e < NONE);
+        let [start, end, sudden] = ["epst1", "epst2", "epsf1"].map(given);
+        match card.integer("sflag") {
+            0..=2 => {}
+            _ => {
+                let why = "a limit of strains that are mainly tensile; use 1 or 2 for the largest \
+                           principal strain";
+                self.deck.unsupported_value(card, "sflag", why);
+            }
+        }
+        let (limit, field) = match (end, sudden) {
+            (Some(end), _) => (end, "epst2"),
+            (None, Some(sudden)) => (sudden, "epsf1"),
+            (None, None) => {
+                let message = format!("{} {} has no limit", card.name(), card.integer("id"));
+                self.deck.trouble.warning(card.head, message, "give epst2, or epsf1");
+                return;
+            }
+        };
+        if sudden.is_some_and(|sudden| sudden < limit) {
+            let why = "a limit below epst2: give one of them";
+            self.deck.unsupported_value(card, "epsf1", why);
+        }
+        table.put("erosion_major_strain", card.place(field), limit);
+        match start {
+            Some(start) if start < limit && end.is_some() => {
+                table.put("erosion_major_strain_start", card.place("epst1"), start);
+            }
+            Some(start) => {
+                let of = format!("{} {}", card.name(), card.integer("id"));
+                self.deck.map(of, format!("epst1 {start}"), "not used: it is not below epst2");
+            }
+            None => {}
+        }
+        let message = "/FAIL/TENSSTRAIN removes a shell with its first failed point, here it goes \
+                       with its last one; faded stress does not rise again when the strain falls";
+        let help = "expect shells in bending to fail later";
+        self.deck.trouble.warning(card.place(field), message, help);
     }
 
     /// Converts the law of Johnson and Cook; without rate, temperature and exponent it is linear
@@ -92,7 +140,7 @@ impl StarterConverter {
         table: &mut JobTable,
     ) {
         self.limited(record);
-        let ([a, b], n) = (["a", "b"].map(|field| record.real(field)), record.real_or("n", 1.0));
+        let [a, b, n] = self.power_law(record);
         let [c, heat] = ["c", "rhocp"].map(|field| record.real(field));
         let [melt, fails] = ["tmelt", "epsmax"].map(|field| record.real(field));
         let hot = heat > 0.0 && melt > 0.0 && melt < NONE;
@@ -162,6 +210,39 @@ impl StarterConverter {
             }
             None => {}
         }
+    }
+
+    /// Returns a, b and n of the yield stress `a + b eps^n`. With iflag 1 the card has a, and
+    /// instead of b and n the largest engineering stress S and its engineering strain e. At the
+    /// true strain `g = ln(1 + e)` the true stress `s = S (1 + e)` equals its slope (Considere),
+    /// so `n = s g/(s - a)` and `b = s/(n g^(n - 1))`. If n is above 1, it is 1, and b is the
+    /// slope from the yield stress to s over `g - (s + a)/E`; if s is below a, there is no
+    /// hardening. So it is in Radioss.
+    fn power_law(&mut self, record: &CardRecord) -> [f64; 3] {
+        let ([a, given], e) =
+            (["a", "b"].map(|field| record.real(field)), record.real_or("n", 1.0));
+        match record.integer("iflag") {
+            0 => return [a, given, e],
+            1 => {}
+            _ => {
+                let why = "use 0 for a, b and n, 1 for the yield stress and the ultimate stress";
+                self.deck.unsupported_value(record, "iflag", why);
+                return [a, given, e];
+            }
+        }
+        let (s, g, modulus) = (given * (1.0 + e), (1.0 + e).ln(), record.real("e"));
+        let n = s * g / (s - a);
+        let (b, n) = match n {
+            _ if s <= a => (0.0, 1.0),
+            n if n > 1.0 => ((s - a) / (g - (s + a) / modulus), 1.0),
+            n => (s / (n * g.powf(n - 1.0)), n),
+        };
+        self.deck.map(
+            format!("material {}", record.integer("id")),
+            format!("iflag 1: yield stress {a}, ultimate stress {given} at {e}"),
+            format!("a + b eps^n with b {b:.6e}, n {n:.6e}"),
+        );
+        [a, b, n]
     }
 
     /// Reports a largest stress.

@@ -19,6 +19,11 @@ fn fives(record: &CardRecord) -> usize {
     usize::try_from(count).unwrap_or(1).div_ceil(5)
 }
 
+/// Returns the number of lines of factors on limits of the strain.
+fn sizes(record: &CardRecord) -> usize {
+    usize::from(matches!(record.integer("sflag"), 2 | 3))
+}
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new("/MAT/LAW1", &[TITLE, DENSITY, ("e:r20! nu:r20", Once)], "law `elastic`")
         .aliases(&["/MAT/ELAST"])
@@ -40,13 +45,14 @@ pub const KEYWORDS: &[Keyword] = &[
             ("c:r20 eps0:r20 icc:i fsmooth:i fcut:r20 chard:r20", Maybe),
             ("m:r20=1 tmelt:r20=1e30 rhocp:r20 tr:r20=300", Maybe),
         ],
-        "law `johnson_cook`, or `j2` if n is 1 and there is neither rate nor temperature. epsmax \
-         is the strain of failure. Heat comes from rhocp, with all plastic work",
+        "law `johnson_cook`, or `j2` if n is 1 and there is neither rate nor temperature. With \
+         iflag 1, a, b and n are the yield stress, the ultimate engineering stress and its \
+         engineering strain, from which a + b eps^n with a maximum of the engineering stress there \
+         follows. epsmax is the strain of failure. Heat comes from rhocp, with all plastic work",
     )
     .aliases(&["/MAT/PLAS_JOHNS"])
     .unused(&[
         REFERENCE,
-        refused("iflag", "yield stress and ultimate strength; give a, b and n (iflag 0)"),
         ignored("chard", "hardening is isotropic, which differs when the load reverses"),
         no_effect("icc", "it is about sigmax"),
         FILTER,
@@ -115,6 +121,27 @@ pub const KEYWORDS: &[Keyword] = &[
         no_effect("ifailso", "a point fails, and an element with its last point"),
         ignored("dadv", "cracks do not advance on their own"),
         refused("ixfem", "cracks within elements"),
+    ]),
+    Keyword::new(
+        "/FAIL/TENSSTRAIN",
+        &[
+            ("epst1:r20=1e30 epst2:r20=2e30 fct:i epsf1:r20 epsf2:r20 sflag:i=1", Once),
+            ("fctel:i fscaleel:r20=1 elref:r20=1", AtMost(sizes)),
+            ("fctt:i fscalet:r20=1", AtMost(sizes)),
+            ("failid:i", Maybe),
+        ],
+        "`erosion_major_strain_start` and `erosion_major_strain` of the material with this id: the \
+         stress falls from the largest principal strain epst1 to epst2. Without them epsf1 alone \
+         is `erosion_major_strain`",
+    )
+    .unused(&[
+        refused("fct", "limits of the strain that depend on its rate"),
+        refused("fctel", "limits of the strain that depend on the size of elements"),
+        no_effect("fscaleel elref", "they scale that function"),
+        refused("fctt", "limits of the strain that depend on the temperature"),
+        no_effect("fscalet", "it scales that function"),
+        refused("epsf2", "a limit of the second principal strain"),
+        no_effect("failid", "it is for output"),
     ]),
     not_yet("/MAT/PLAS_ZERIL", "the law of Zerilli and Armstrong; use /MAT/LAW2 or /MAT/LAW44"),
     not_yet("/MAT/LAW3", "hydrodynamic plasticity"),
