@@ -114,7 +114,7 @@ pub struct DeckConverter {
     /// Parts of beams that are trusses.
     truss_parts: BTreeSet<u32>,
     /// Directions of springs by part, with their places; `None` for the line between their nodes.
-    spring_directions: BTreeMap<i64, (Option<springs::Orientation>, Place)>,
+    spring_directions: BTreeMap<i64, (Option<springs::SpringOrientation>, Place)>,
     /// Ids of parts of shells with an offset; true if they have a contact thickness of their own.
     with_offset: Vec<(i64, bool)>,
     /// Individual friction of parts.

@@ -180,8 +180,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "BOUNDARY_NON_REFLECTING",
         &[("ssid:i! ad:r as:r", Rest)],
-        "`[[non_reflecting]]`: dampers at the nodes of these faces of solids; ad and as other than 0 \
-         switch off those of dilatational and shear waves",
+        "`[[non_reflecting]]`: dampers at the nodes of these faces of solids; ad and as other than \
+         0 switch off those of dilatational and shear waves",
     ),
     Keyword::new(
         "LOAD_SHELL_ELEMENT",
