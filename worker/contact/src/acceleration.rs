@@ -55,6 +55,8 @@ pub struct Acceleration {
 pub struct AccelerationStep {
     /// True if a force has changed, on any worker.
     pub changed: bool,
+    /// Squared norm of the residual of all pairs before the sweep [force length/time].
+    pub residual: f64,
     /// Extrapolated forces for the next sweep; `None` if the forces of the sweep itself are
     /// used.
     pub forces: Option<Forces>,
@@ -127,10 +129,10 @@ impl Acceleration {
         if is_other || !size.is_finite() {
             self.differences.clear();
             self.products = DMatrix::zeros(0, 0);
-            return Ok(AccelerationStep { changed, forces: None });
+            return Ok(AccelerationStep { changed, residual: size, forces: None });
         }
         if !changed || n == 0 {
-            return Ok(AccelerationStep { changed, forces: None });
+            return Ok(AccelerationStep { changed, residual: size, forces: None });
         }
         let mut way = vec![V3::zeros(); ends.len()];
         for ((_, difference), c) in
@@ -142,7 +144,7 @@ impl Acceleration {
         let forces_of =
             |((p, end), way): ((&&Pair, &V3), &V3)| within_friction_cone(p, end + way * part);
         let forces = own.iter().zip(&ends).zip(&way).map(forces_of).collect();
-        Ok(AccelerationStep { changed, forces: Some(forces) })
+        Ok(AccelerationStep { changed, residual: size, forces: Some(forces) })
     }
 }
 

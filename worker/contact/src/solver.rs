@@ -81,6 +81,17 @@ impl Selection {
     }
 }
 
+/// Returns the forces of own pairs.
+fn own_forces(t: &PairTable) -> Forces {
+    t.pairs.iter().filter(|p| p.is_owned).map(|p| p.force).collect()
+}
+
+/// Sets the forces of own pairs.
+fn set_own_forces(t: &mut PairTable, forces: Forces) {
+    let own = t.pairs.iter_mut().filter(|p| p.is_owned);
+    own.zip(forces).for_each(|(p, force)| p.force = force);
+}
+
 impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     /// Sweeps until all forces are accurate enough, or until the largest number of sweeps is
     /// reached.
@@ -158,24 +169,33 @@ impl<S: VelocityConstraint + Peers> ContactSolver<'_, S> {
     }
 
     /// Makes accelerated sweeps until nothing changes on any worker. Each starts from forces
-    /// that are extrapolated from the earlier sweeps.
+    /// that are extrapolated from the earlier sweeps. If they do not settle, the forces of the
+    /// sweep with the least residual count: extrapolation beyond a change of the closed pairs may
+    /// have lost it.
     fn run_accelerated_sweeps(
         &mut self,
         t: &mut PairTable,
         swept: &mut SolverOutcome,
     ) -> Result<(), RankLost> {
         let mut acceleration = Acceleration::default();
+        let mut best: Option<(f64, Forces)> = None;
         for left in (0..self.accelerated).rev() {
             swept.sweeps += 1;
-            let before: Forces = t.pairs.iter().filter(|p| p.is_owned).map(|p| p.force).collect();
+            let before = own_forces(t);
             // A worker without pairs has no schedule. It takes part in the global reductions
             // only.
             let changed = !t.pairs.is_empty() && self.sweep(t, Stage::Accelerated)? > 1.0;
             let advice = acceleration.update(&t.pairs, &before, changed, self.around)?;
             swept.unsettled = advice.changed;
+            let least = best.as_ref().map_or(f64::INFINITY, |(residual, _)| *residual);
+            if advice.residual < least {
+                best = Some((advice.residual, own_forces(t)));
+            } else if left == 0 && advice.changed {
+                let forces = best.take().map_or_else(Vec::new, |(_, forces)| forces);
+                set_own_forces(t, forces);
+            }
             if let Some(forces) = advice.forces.filter(|_| left > 0) {
-                let own = t.pairs.iter_mut().filter(|p| p.is_owned);
-                own.zip(forces).for_each(|(p, force)| p.force = force);
+                set_own_forces(t, forces);
             }
             self.exchange_and_apply_forces(t, advice.changed)?;
             if !advice.changed {
