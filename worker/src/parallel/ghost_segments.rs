@@ -49,12 +49,14 @@ impl WireNode {
 /// Returns the distance around a worker's own slaves and edges within which it gets ghost
 /// segments: the reach of the search, for the largest scale of any worker's surface, plus the
 /// reach of a smooth patch, plus the buffer, plus half the skin if what comes near in the next
-/// steps limits the step ([`approach`]) [length].
+/// steps limits the step ([`approach`]) [length]. It can do so from a later cycle on if solids can
+/// fail (`exposes`), since smaller ones may be behind them.
 ///
 /// [`approach`]: crate::contact::approach
-pub fn covered(settings: &Settings, surface: &Surface, largest_scale: f64) -> f64 {
+pub fn covered(settings: &Settings, surface: &Surface, largest_scale: f64, exposes: bool) -> f64 {
     let skin = settings.contact.as_ref().map_or(0.0, |c| c.skin);
-    let ahead = if near_pairs_decide(surface.thinnest, skin) { 0.5 * skin } else { 0.0 };
+    let decide = exposes || near_pairs_decide(surface.thinnest, skin);
+    let ahead = if decide { 0.5 * skin } else { 0.0 };
     contact::search_reach(&surface.interfaces, largest_scale, largest_scale)
         + surface.shift_reach()
         + surface.patch_reach()

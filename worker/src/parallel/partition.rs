@@ -136,15 +136,14 @@ pub fn build_local_mesh(
     let parts = ContactParts::from_settings(settings);
     let own = || elements.iter().map(|e| &e.0);
     let mut surface = settings.contact.as_ref().map(|_| Surface::new(own(), &nodes, &parts));
-    if let Some(surface) = &mut surface
-        && solids_can_fail(comm, settings, own())?
-    {
+    let exposes = surface.is_some() && solids_can_fail(comm, settings, own())?;
+    if let Some(surface) = surface.as_mut().filter(|_| exposes) {
         surface.include_hidden(own(), &nodes, &parts);
     }
     let around = match &mut surface {
         Some(surface) => {
             let largest = share_scales(comm, surface, 0)?.0;
-            covered(settings, surface, largest)
+            covered(settings, surface, largest, exposes)
         }
         None => 0.5 * settings.buffer,
     };

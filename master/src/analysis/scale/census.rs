@@ -388,7 +388,9 @@ impl Census {
             }
         }
         surface.slaves.iter().for_each(|&n| parts[self.searcher(n, nodes)].slaves.push(n));
-        let grow = covered(&engine.settings, surface, surface.largest_scale());
+        // Nodes of hidden solids are known if solids can fail.
+        let exposes = !surface.hidden.is_empty();
+        let grow = covered(&engine.settings, surface, surface.largest_scale(), exposes);
         // Ordered by the lower end along x, so that few segments are tested for each box.
         let mut bounds: Vec<(Aabb, u32)> = (0..)
             .zip(&surface.segments)
