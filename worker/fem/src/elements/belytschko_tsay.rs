@@ -78,7 +78,7 @@ pub const ROW: ElementEntry = ElementEntry {
 /// Largest hourglass forces of a plastic part, as a fraction of the capacity under full
 /// integration. With it crushed tubes (B11, B12) have 3 to 4 % of hourglass energy, 6 % with 0.1,
 /// and none of their shells collapses.
-const BOUNDS: Bounds<HOURGLASS> = Bounds {
+pub(super) const BOUNDS: Bounds<HOURGLASS> = Bounds {
     modes: [Mode::Bending, Mode::Bending, Mode::Twist, Mode::Membrane, Mode::Membrane],
     strength: 0.03,
 };

@@ -303,8 +303,8 @@ fn per_corner(x: &[[f64; 3]]) -> &[[f64; 3]; 8] {
 }
 
 impl SolidGroups<8> for Hexahedron {
-    fn material(&self) -> (&SolidMaterial, usize) {
-        (&self.material, 1)
+    fn material(&self) -> Option<(&SolidMaterial, usize)> {
+        Some((&self.material, 1))
     }
 
     #[inline(always)]

@@ -50,6 +50,7 @@ mod stretched_tests;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tetrahedron;
+mod thick_shell;
 pub mod thread_shell;
 mod truss;
 #[cfg(test)]
@@ -60,6 +61,7 @@ pub use cohesive::COHESIVE;
 pub use parameters::HourglassForm;
 pub use pass::{ElementNodalForces, ElementPass, GroupNodes, PassTotals, energy_places};
 pub use section::LARGEST_OFFSET;
+pub use thick_shell::THICK_SHELL;
 
 use crate::columns::ElementState;
 use crate::materials::{self, Cohesive, LayerPoint, PlaneStress, Solid, unknown_name};
@@ -333,6 +335,7 @@ pub const ELEMENTS: &[ElementEntry] = &[
     fully_integrated_quad::ROW,
     c0_triangle::ROW,
     hexahedron::ROW,
+    thick_shell::ROW,
     tetrahedron::ROW,
     wedge::ROW,
     quadratic_tetrahedron::ROW,
@@ -372,7 +375,8 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
         );
     }
     let of_shells = [("layer", part.layer.is_empty()), ("angles", part.angles.is_empty())];
-    let is_shell = matches!(shape, Shape::Quad4 | Shape::Tri3);
+    let is_shell =
+        matches!(shape, Shape::Quad4 | Shape::Tri3) || part.element.as_deref() == Some(THICK_SHELL);
     for (key, _) in of_shells.into_iter().filter(|(_, empty)| !empty && !is_shell) {
         let message =
             format!("part {}: `{key}` is for shells, and it has other elements", part.label());

@@ -51,40 +51,59 @@ impl HourglassForm {
     }
 }
 
-/// Keys of all shells.
-pub(super) const OF_SHELLS: &[ParameterRow] = &[
-    ParameterRow {
-        key: "points",
-        form: Form::Whole,
-        otherwise: DefaultValue::Whole(5),
-        range: Some(Range {
-            wanted: "from 1 to 10",
-            fits: |n| (1.0..=MAX_POINTS as f64).contains(&n),
-        }),
-        meaning: "Number of integration points through the thickness, 1 to 10; see \
-                  `cases/studies/README.md`, plate-points, beam-shells and panel.",
-    },
-    ParameterRow {
-        key: "inverted",
-        form: Form::Word(&["stop", DELETE]),
-        otherwise: DefaultValue::Word("stop"),
-        range: None,
-        meaning: "Treatment of an inverted shell, which has no area or is strained by more than a \
-                  half in one step. `stop` ends the run and names the shell. `delete` lets it fail \
-                  as at a failure strain: its forces are zero from then on, and it leaves the \
-                  contact surface. The work done on it stays in the internal energy, and a warning \
-                  names it. In both cases, coordinates or forces that are not finite end the run. \
-                  So does a step below `time.dt_min_ratio` times the first.",
-    },
+/// Points through the thickness.
+const POINTS: ParameterRow = ParameterRow {
+    key: "points",
+    form: Form::Whole,
+    otherwise: DefaultValue::Whole(5),
+    range: Some(Range { wanted: "from 1 to 10", fits: |n| (1.0..=MAX_POINTS as f64).contains(&n) }),
+    meaning: "Number of integration points through the thickness, 1 to 10; see \
+              `cases/studies/README.md`, plate-points, beam-shells and panel.",
+};
+
+/// Treatment of inverted shells.
+const INVERTED: ParameterRow = ParameterRow {
+    key: "inverted",
+    form: Form::Word(&["stop", DELETE]),
+    otherwise: DefaultValue::Word("stop"),
+    range: None,
+    meaning: "Treatment of an inverted shell, which has no area or is strained by more than a \
+              half in one step. `stop` ends the run and names the shell. `delete` lets it fail \
+              as at a failure strain: its forces are zero from then on, and it leaves the \
+              contact surface. The work done on it stays in the internal energy, and a warning \
+              names it. In both cases, coordinates or forces that are not finite end the run. \
+              So does a step below `time.dt_min_ratio` times the first.",
+};
+
+/// Change of the thickness.
+const THINNING: ParameterRow = ParameterRow {
+    key: "thinning",
+    form: Form::Flag,
+    otherwise: DefaultValue::Flag(false),
+    range: None,
+    meaning: "Update the thickness by the strain through it (`cases/studies/README.md`, \
+              panel).",
+};
+
+/// Keys of thick shells.
+pub(super) const OF_THICK_SHELLS: &[ParameterRow] = &[
+    POINTS,
+    INVERTED,
     DELETION_STEP,
     ParameterRow {
-        key: "thinning",
-        form: Form::Flag,
-        otherwise: DefaultValue::Flag(false),
-        range: None,
-        meaning: "Update the thickness by the strain through it (`cases/studies/README.md`, \
-                  panel).",
+        otherwise: DefaultValue::Flag(true),
+        meaning: "The distance of the faces follows the strain of the law through the thickness; \
+                  otherwise it is held at that of the start.",
+        ..THINNING
     },
+];
+
+/// Keys of all shells.
+pub(super) const OF_SHELLS: &[ParameterRow] = &[
+    POINTS,
+    INVERTED,
+    DELETION_STEP,
+    THINNING,
     ParameterRow {
         key: "drilling",
         form: Form::Number,

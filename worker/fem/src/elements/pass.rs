@@ -241,8 +241,14 @@ pub(super) trait SolidGroups<const C: usize> {
         history: &mut [L],
     ) -> Totals<L>;
 
-    /// Returns the material, and the number of points whose columns begin the history.
-    fn material(&self) -> (&SolidMaterial, usize);
+    /// Returns the material, and the number of points whose columns begin the history; `None` if
+    /// the elements have a section.
+    fn material(&self) -> Option<(&SolidMaterial, usize)>;
+
+    /// Returns the section of elements with one; their kernel deletes inverted ones itself.
+    fn section(&self) -> Option<&Section> {
+        None
+    }
 }
 
 impl<'a, H> ElementPass<'a, H> {
@@ -311,6 +317,16 @@ impl<'a> ElementPass<'a> {
                 pass.exchange(history).1.solids_in::<C, LANES32>(columns, kernel)
             }
         }
+    }
+
+    /// Calls `kernel` as [`Self::solids`] does, for elements that have double precision only.
+    #[inline(always)]
+    pub(super) fn double_solids<const C: usize>(
+        self,
+        columns: usize,
+        kernel: &impl SolidGroups<C>,
+    ) -> PassTotals {
+        self.double().solids_in::<C, LANES>(columns, kernel)
     }
 
     /// Returns the pass with its history in double precision, for elements that have no other
@@ -415,17 +431,24 @@ impl<L> ElementPass<'_, &mut [L]> {
                 *force = [[[0.0; 4]; C]; W];
                 return kernel.forceless(group, &nodes, state);
             }
-            let (material, points) = kernel.material();
+            let deleting = kernel.material().filter(|(material, _)| material.deletes);
             // Laws may mark a deleted element as one that has failed by itself.
-            let gone = material.deletes.then(|| material.deleted(state));
+            let gone =
+                deleting.map(|(material, points)| (material, points, material.deleted(state)));
             let mut totals: Totals<L> = kernel.group(group, &nodes, state, dt, force);
-            if let Some(gone) = gone {
+            if let Some((material, points, gone)) = gone {
                 let least = least_steps(least_dt, material.deletion_step, step_factors, index);
                 let long = totals.stable_dt.ge(least);
                 let marks = L::select(L::both(totals.sound, long), L::zero(), L::splat(1.0));
                 if L::any(gone) || L::any(marks.gt(L::zero())) {
                     let of = (material, points);
                     delete_lost(of, (gone, marks), (group, &nodes), state, force, &mut totals);
+                }
+            }
+            if let Some(section) = kernel.section().filter(|section| section.deletion_step > 0.0) {
+                let least: L = least_steps(0.0, section.deletion_step, step_factors, index);
+                if L::any(totals.stable_dt.lt(least)) {
+                    delete_thick(section, (group, &nodes), least, state, force, &mut totals);
                 }
             }
             totals
@@ -465,6 +488,31 @@ fn delete_short<L: PointLanes<W>, const W: usize>(
     let gone = section.delete_inverted(history, long, long, || magnitude(group, nodes));
     totals.zero_failed(gone);
     zero_corners::<L, W>(gone, force, moment);
+}
+
+/// Deletes the solids with a section of a group whose stable step is below `least` [time], or is
+/// none. An element whose coordinates or velocities are not finite is not deleted.
+#[cold]
+#[inline(never)]
+fn delete_thick<L: PointLanes<W>, const C: usize, const W: usize>(
+    section: &Section,
+    (group, nodes): (&GroupNodes<C, W>, &NodeView<'_>),
+    least: L,
+    history: &mut [L],
+    force: &mut GroupCorners<C, W>,
+    totals: &mut Totals<L>,
+) {
+    let size = |lane: usize| {
+        let corners = group.iter().map(|corner| corner[lane] as usize);
+        let rows = corners.flat_map(|n| [nodes.x[n], nodes.v[n]]);
+        rows.flat_map(|row| xyz(&row)).map(f64::abs).sum::<f64>()
+    };
+    let long = totals.stable_dt.ge(least);
+    let moves = || L::from_array(std::array::from_fn(size));
+    let gone = section.delete_inverted(history, long, long, moves);
+    totals.zero_failed(gone);
+    let gone = L::select(gone, L::splat(1.0), L::zero()).to_array();
+    (0..W).filter(|&lane| gone[lane] > 0.0).for_each(|lane| force[lane] = [[0.0; 4]; C]);
 }
 
 /// Deletes the solids of a group that are marked, since they are not valid or their stable step is

@@ -137,7 +137,7 @@ fn simply_supported_plate_swings_at_its_frequency() {
 }
 
 /// Returns the frequency of the first mode of a strip of 20 by 2 cells, 0.2 m long, held at x = 0.
-fn cantilever_frequency(patch: &mut Patch) -> f64 {
+pub fn cantilever_frequency<const C: usize>(patch: &mut Patch<C>) -> f64 {
     let masses = patch.masses();
     // Near enough to the first mode: others are a few per cent and average out over the vibration.
     for (v, x) in patch.v.iter_mut().zip(&patch.x) {

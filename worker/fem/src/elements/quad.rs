@@ -77,6 +77,9 @@ pub const DRILLING: usize = 4;
 /// L/c, by a further 5 %.
 const SINGLE_ELEMENT_FACTOR: f64 = 1.05;
 
+/// Fraction of its stable step for which a quad is stable alone.
+pub const ALONE: f64 = 1.0 / SINGLE_ELEMENT_FACTOR;
+
 /// Smallest area over the sum of the squared diagonals; an element below it has collapsed to a
 /// line.
 const MIN_AREA: f64 = 1e-6;
@@ -193,7 +196,7 @@ impl<R: Real> QuadGeometry<R> {
 
     /// Returns the stable step at the density of the material [time].
     #[inline(always)]
-    fn stable_dt(&self, section: &Section, fraction: f64) -> R {
+    pub fn stable_dt(&self, section: &Section, fraction: f64) -> R {
         let side2 = self.equivalent_side2(section.elastic.poisson);
         section.membrane_step(self.area, R::splat(1.0) / side2, fraction)
     }
@@ -444,7 +447,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     const OWN: &'static [&'static str] = K::OWN;
     /// The frequency of shear may require a step up to 7 % below `L/c`; the membrane of a single
     /// square is stable for `L/c` only if nu = 0.
-    const ALONE: f64 = 1.0 / SINGLE_ELEMENT_FACTOR;
+    const ALONE: f64 = ALONE;
 
     fn section(&self) -> &Section {
         self.0.section()

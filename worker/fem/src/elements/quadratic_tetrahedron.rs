@@ -412,8 +412,8 @@ fn forces<R: Real>(
 }
 
 impl SolidGroups<NODES> for QuadraticTetrahedron {
-    fn material(&self) -> (&SolidMaterial, usize) {
-        (&self.material, POINTS)
+    fn material(&self) -> Option<(&SolidMaterial, usize)> {
+        Some((&self.material, POINTS))
     }
 
     #[inline(always)]

@@ -91,7 +91,7 @@ fn largest_stress<const C: usize>(patch: &Patch<C>) -> f64 {
     all.fold(0.0, |m: f64, s| m.max(s.abs()))
 }
 
-fn turn_once<const C: usize>(mut patch: Patch<C>) {
+pub fn turn_once<const C: usize>(mut patch: Patch<C>) {
     let angle = [0.48, -0.64, 0.6].map(|c| c * std::f64::consts::TAU / 100.0);
     for step in 1..=100 {
         patch.go(|x| rotate(angle, x.map(|c| c + 0.01)));
@@ -135,7 +135,7 @@ fn distorted_patch_is_exact() {
     stretch(quadratic_tetrahedra(0.1, elastic(E, NU, 1.0)));
 }
 
-fn swing<const C: usize>(mut patch: Patch<C>) {
+pub fn swing<const C: usize>(mut patch: Patch<C>) {
     let dt = 1e-3;
     let (mut work, mut booked, mut peak) = (0.0, 0.0, 0.0_f64);
     shake(&mut patch, 0.02);
@@ -166,7 +166,7 @@ fn forces_balance_and_do_the_work_that_is_booked() {
 }
 
 /// Returns the largest velocity after 2000 steps over that at the start.
-fn growth<const C: usize>(mut patch: Patch<C>, dt: f64) -> f64 {
+pub fn growth<const C: usize>(mut patch: Patch<C>, dt: f64) -> f64 {
     let masses = patch.masses();
     shake(&mut patch, 1e-9);
     let fastest = |patch: &Patch<C>| patch.v.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
@@ -289,7 +289,7 @@ fn a_wedge_resists_the_twist_that_its_points_do_not_see() {
     assert_close(moment.sum(), wanted, 1e-4 * wanted, "small angles");
 }
 
-fn alone<const C: usize>(law: &Material, mut all: Patch<C>, part: Part) {
+pub fn alone<const C: usize>(law: &Material, mut all: Patch<C>, part: Part) {
     let nodes: Vec<[f64; 3]> = all.x.iter().map(|x| [x[0], x[1], x[2]]).collect();
     let cell = |e: usize| Patch::new(part.clone(), law.clone(), &nodes, &[all.cells[e]]);
     let mut single: Vec<Patch<C>> = (0..all.cells.len()).map(cell).collect();
@@ -437,7 +437,7 @@ fn a_failed_element_lets_go() {
     pull(quadratic_tetrahedra(0.1, brittle()));
 }
 
-fn crush<const C: usize>(fresh: impl Fn() -> Patch<C>) {
+pub fn crush<const C: usize>(fresh: impl Fn() -> Patch<C>) {
     assert_eq!(fresh().go(|x| x).trouble, None);
     assert_eq!(fresh().go(|x| [x[0], x[1], 0.4 * x[2]]).trouble, Some(0), "strained by 0.86");
     let mut mirrored = fresh();

@@ -245,8 +245,8 @@ fn edges(x: &[[f64; 3]]) -> [[f64; 3]; 3] {
 }
 
 impl SolidGroups<NODES> for Tetrahedron {
-    fn material(&self) -> (&SolidMaterial, usize) {
-        (&self.material, 1)
+    fn material(&self) -> Option<(&SolidMaterial, usize)> {
+        Some((&self.material, 1))
     }
 
     #[inline(always)]

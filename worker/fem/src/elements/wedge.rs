@@ -448,8 +448,8 @@ impl Wedge {
 }
 
 impl SolidGroups<NODES> for Wedge {
-    fn material(&self) -> (&SolidMaterial, usize) {
-        (&self.material, POINTS)
+    fn material(&self) -> Option<(&SolidMaterial, usize)> {
+        Some((&self.material, POINTS))
     }
 
     #[inline(always)]

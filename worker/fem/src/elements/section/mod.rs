@@ -233,6 +233,21 @@ impl Section {
         })
     }
 
+    /// Returns true if the law has no direction.
+    pub fn is_isotropic(&self) -> bool {
+        self.transverse.is_none() && self.direction.is_none()
+    }
+
+    /// Returns true if the thickness follows the strain.
+    pub fn is_thinning(&self) -> bool {
+        self.thinning
+    }
+
+    /// Returns the same section with a constant thickness.
+    pub fn without_thinning(self) -> Self {
+        Self { thinning: false, ..self }
+    }
+
     /// Returns the same section with `planar` points in the plane of an element.
     pub fn at_points(self, planar: usize) -> Self {
         Self { planar, ..self }
@@ -392,6 +407,22 @@ impl Section {
     #[inline(always)]
     pub fn current_thickness<R: Real>(&self, history: &[R]) -> R {
         history[THICKNESS]
+    }
+
+    /// Returns the volume of the element at the start, which [`Self::measure`] stores [length^3].
+    #[inline(always)]
+    pub fn volume_at_start<R: Real>(&self, history: &[R]) -> R {
+        history[VOLUME]
+    }
+
+    /// Returns a bound of the transverse shear modulus in any direction, as a mean over the
+    /// thickness [force/length^2].
+    pub fn largest_shear_modulus(&self) -> f64 {
+        match self.transverse {
+            None => self.elastic.shear_modulus(),
+            // Half the sum of the moduli in two directions, neither of which is negative.
+            Some(_) => 2.0 * self.transverse_modulus,
+        }
     }
 
     /// Returns true if all columns are zero except those that are set at the start.
@@ -589,7 +620,10 @@ impl Section {
             let kept = match column {
                 VOLUME | INERTIA => *value,
                 _ if self.stores_offsets && column == columns => *value,
-                _ if column < columns && column % each == THICKNESS => R::splat(self.thickness),
+                _ if column < columns && column % each == THICKNESS => {
+                    let known = value.abs().le(R::splat(R::LARGEST));
+                    R::select(known, *value, R::splat(self.thickness))
+                }
                 _ => zero,
             };
             *value = R::select(gone, kept, *value);
