@@ -65,7 +65,8 @@ fn a_report_shows_the_line_and_underlines_the_key() {
     let (_, rest) = rest.split_once("bad/wrong_section.toml").unwrap();
     let keys = "airbag, checkpoint, contact, curve, elements, end_time, fix, gravity, include, \
                 initial_velocity, \
-                joint, load, mass, material, mesh, motion, output, parallel, part, placeholders, \
+                joint, load, mass, material, mesh, motion, non_reflecting, output, parallel, part, \
+                placeholders, \
                 pressure, require, restart, rigid, scene, set, symmetry, tie, time, title, units, \
                 wall";
     let expected = format!(

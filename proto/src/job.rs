@@ -29,7 +29,8 @@ pub use contact::{ContactInput, Interface};
 pub use discrete_beam::{AxisSpring, BeamAxis, DiscreteBeamInput, TurningNode};
 pub use joint::{JointInput, JointKind, JointResistance};
 pub use loads::{
-    CurveInput, GravityInput, LoadInput, MotionInput, NonReflectingInput, PressureInput, Symmetry,
+    BlastInput, Burst, CurveInput, GravityInput, LoadInput, MotionInput, NonReflectingInput,
+    PressureInput, Symmetry,
 };
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use part_ref::PartRef;

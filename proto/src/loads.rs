@@ -64,10 +64,30 @@ pub struct NodalForce {
 pub struct Pressure {
     /// Faces as (element, index into [`crate::mesh::Shape::faces`]), ascending.
     pub faces: Vec<(ElemId, u8)>,
-    /// Pressure, positive against the face's normal [force/length^2].
+    /// Pressure, positive against the face's normal [force/length^2]; with `blast` a factor on its
+    /// pressure.
     pub pressure: f64,
     /// Index of its curve; constant if `None`.
     pub curve: Option<usize>,
+    /// Explosion that gives the pressure.
+    pub blast: Option<Blast>,
+}
+
+/// Explosion of a charge of TNT.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Blast {
+    /// Mass of the charge [kg].
+    pub mass: f64,
+    /// Its position [length].
+    pub position: [f64; 3],
+    /// Time of the explosion [time].
+    pub time: f64,
+    /// True if it is on the ground, false if it is in free air.
+    pub on_ground: bool,
+    /// True if the pressure below that of the air counts.
+    pub suction: bool,
+    /// Units of length, time and pressure in m, s and Pa.
+    pub si: [f64; 3],
 }
 
 impl Pressure {

@@ -18,6 +18,7 @@
 //!   files; [`timer`], [`trace`]: time by phase, time line of a worker
 
 pub mod airbags;
+pub mod blast;
 pub mod checkpoint;
 pub mod constraints;
 pub mod coupling;

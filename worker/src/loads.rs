@@ -5,9 +5,10 @@
 //! it in ascending element id with all other forces. Work is force times the mean of the
 //! velocities before and after, as in the ledger.
 
+use crate::blast::BlastOnFace;
 use crate::curve::Curve;
 use crate::fem::blocks::{Blocks, Portion};
-use crate::math::row::{Row, row};
+use crate::math::row::{Row, row, xyz};
 use crate::nodes::Nodes;
 use crate::stateless;
 use crate::time::ElementSet;
@@ -59,7 +60,7 @@ stateless!(Loads {
 });
 stateless!(PartGravity { job, shares, falling });
 stateless!(LocalForce { job, nodes, factor });
-stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, shares, force });
+stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, shares, blast, force });
 
 stateless!(LocalAbsorber { job, node, impulse });
 
@@ -125,6 +126,8 @@ struct LoadedFace {
     /// Factors on the forces of a linear face, see
     /// [`load_shares`](crumple_proto::mesh::Shape::load_shares).
     shares: [f64; 4],
+    /// Explosion that gives the pressure on the face.
+    blast: Option<BlastOnFace>,
     /// Last forces on its nodes [force].
     force: [Row; 4],
 }
@@ -225,13 +228,15 @@ impl Loads {
                         rigid: b.idle,
                         cycles: if b.slow { subcycles as f64 } else { 1.0 },
                         shares: order.map(|c| shares[c]),
+                        blast: None,
                         force: [[0.0; 4]; 4],
                     }
                 };
                 for (p, pressure) in self.pressures.iter().enumerate() {
                     let source = PressureSource::Pressure(p);
                     let faces = pressure.faces_of(e.record.id);
-                    self.faces.extend(faces.map(|number| face(source, number, false)));
+                    let faces = faces.map(|number| face(source, number, false));
+                    self.faces.extend(faces.filter_map(|face| with_blast(face, pressure, nodes)));
                 }
                 for (bag, airbag) in self.airbags.iter().enumerate() {
                     self.faces.extend(airbag.faces_of(e.record.id).map(|f| {
@@ -286,7 +291,8 @@ impl Loads {
             let pressure = match face.source {
                 PressureSource::Pressure(p) => {
                     let p = &self.pressures[p];
-                    p.pressure * factor(&self.curves, p.curve, time)
+                    let of_blast = face.blast.map_or(1.0, |blast| blast.pressure(time));
+                    p.pressure * of_blast * factor(&self.curves, p.curve, time)
                 }
                 // Along the normals, which point outwards.
                 PressureSource::Airbag { bag, .. } => -self.airbag_pressures[bag],
@@ -466,6 +472,19 @@ impl Loads {
 fn times(cycles: &[f64], i: usize, set: ElementSet) -> f64 {
     let cycles = cycles.get(i).copied().unwrap_or(1.0);
     if set == ElementSet::All || cycles == 1.0 { cycles } else { 0.0 }
+}
+
+/// Adds the explosion of a pressure to a face; `None` if the face is too far away for it. A
+/// pressure below zero acts on the other side of the face.
+fn with_blast(face: LoadedFace, pressure: &Pressure, nodes: &Nodes) -> Option<LoadedFace> {
+    let Some(blast) = &pressure.blast else { return Some(face) };
+    let x = face.nodes.map(|n| Vector3::from(xyz(&nodes.x0[n as usize])));
+    let [a, b, c, d] = x;
+    let middle =
+        if face.nodes[2] == face.nodes[3] { (a + b + c) / 3.0 } else { (a + b + c + d) / 4.0 };
+    let normal = (c - a).cross(&(d - b)) * pressure.pressure.signum();
+    let on_face = BlastOnFace::new(blast, middle.into(), normal.into())?;
+    Some(LoadedFace { blast: Some(on_face), ..face })
 }
 
 /// Returns the factor of a load at `time`.

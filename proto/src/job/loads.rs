@@ -61,11 +61,45 @@ pub struct PressureInput {
     /// these parts.
     #[serde(default)]
     pub nodes: Option<String>,
-    /// Pressure [force/length^2].
+    /// Pressure [force/length^2]; with `blast` a factor on its pressure.
     pub pressure: f64,
     /// Name of a curve, the factor over time; without it 1.
     #[serde(default)]
     pub curve: Option<String>,
+    /// Explosion that gives the pressure.
+    #[serde(default)]
+    pub blast: Option<BlastInput>,
+}
+
+/// Explosion of a charge (Kingery & Bulmash 1984).
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BlastInput {
+    /// Mass of the charge, as TNT [mass].
+    pub mass: f64,
+    /// Position of the charge [length].
+    pub position: [f64; 3],
+    /// Time of the explosion [time].
+    #[serde(default)]
+    pub time: f64,
+    /// `ground`: on the ground, a hemispherical wave. `air`: in free air, a spherical wave.
+    pub burst: Burst,
+    /// The pressure below that of the air, after the positive phase, counts.
+    #[serde(default = "yes")]
+    pub suction: bool,
+    /// Units of length, time and mass in m, s and kg; without it those that `units` names.
+    #[serde(default)]
+    pub si: Option<[f64; 3]>,
+}
+
+/// Place of an explosion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Burst {
+    /// On the ground, which reflects its wave.
+    Ground,
+    /// In free air.
+    Air,
 }
 
 /// Boundary that lets waves out of solids, as if the material continued behind it: on outer faces

@@ -48,6 +48,53 @@ fn hardening_and_rates_of_metals() {
     assert_eq!(parameter(&model(flat), "hardening"), "[[0.0, 0.3], [0.2, 0.4], [0.3, 0.4]]");
 }
 
+/// A power law becomes a curve, whose first strain is that of the yield stress, a given one, or
+/// that on the elastic line.
+#[test]
+fn a_power_law_becomes_a_curve() {
+    let curve = |card: &str| -> Vec<[f64; 2]> {
+        let of = model(&format!("*MAT_POWER_LAW_PLASTICITY\n1,7.85e-6,200.0,0.3,{card}\n"));
+        let rows = of.job.material[0].parameters["hardening"].to_string();
+        rows.trim_matches(['[', ']'])
+            .split("], [")
+            .map(|row| {
+                let (strain, stress) = row.split_once(", ").expect("two numbers");
+                [strain, stress].map(|number| number.parse().expect("a number"))
+            })
+            .collect()
+    };
+    let on_line = (200.0_f64 / 0.5).powf(1.0 / (0.2 - 1.0));
+    for (card, first, n) in [
+        ("0.5,0.2\n", on_line, 0.2),
+        ("0.5,0.2\n0.01", 0.01, 0.2),
+        ("0.5,0.2\n0.2", 0.4_f64.powi(5), 0.2),
+        ("0.5,0.0\n", 1.0, 0.0),
+    ] {
+        let points = curve(card);
+        assert!(points.len() > 5 && points[0][0] == 0.0, "{card}: {points:?}");
+        for pair in points.windows(2).filter(|pair| pair[1][0] < 3.0) {
+            let [middle, stress] = [0, 1].map(|c| 0.5 * (pair[0][c] + pair[1][c]));
+            let wanted = 0.5 * (first + middle).powf(n);
+            assert!((stress / wanted - 1.0).abs() < 1e-4, "{card} at {middle}: {stress} {wanted}");
+        }
+    }
+    let yields = curve("0.5,0.2\n0.2")[0][1];
+    assert!((yields - 0.2).abs() < 1e-12, "{yields}");
+    let more = model("*MAT_018\n1,7.85e-6,200.0,0.3,0.5,0.2,40,5\n0,1,0.3\n");
+    for (key, value) in
+        [("cowper_symonds", "[40.0, 5.0]"), ("viscoplastic", "true"), ("failure_strain", "0.3")]
+    {
+        assert_eq!(parameter(&more, key), value, "{key}");
+    }
+    let refused = |card: &str, words: &str| {
+        let card = format!("*MAT_018\n1,7.85e-6,200.0,0.3,{card}\n");
+        crate::base::assert_refused(&format!("{BASE}{MOVES}{card}"), &[words]);
+    };
+    refused("0.5,1.2", "n is 1.2");
+    refused("-0.5,0.2", "k is -0.5");
+    refused("0.5,0.2\n-1.0", "sigy is -1");
+}
+
 /// Criteria of failure become keys of the material that they name; the excluded value is none.
 #[test]
 fn added_failure_of_a_material() {
@@ -90,6 +137,10 @@ fn metals_with_damage_strains_and_anisotropy() {
     ] {
         assert_eq!(parameter(&stretched, key), value, "{key}");
     }
+    // The sign of r is another treatment of thinning.
+    let sheet = "*MAT_003\n7,7.85e-6,200.0,0.3,0.25\n*MAT_037\n1,7.85e-6,200.0,0.3,0.25,0.5,-1.5\n";
+    let rolled = model_of(&format!("{BASE}{MOVES}{sheet}").replace("2,2,1\n", "2,2,7\n"));
+    assert_eq!(parameter(&rolled, "lankford"), "1.5");
     let cook = model("*MAT_098\n1,7.85e-6,200.0,0.3\n0.3,0.4,0.5,0.01,0.6,1e28,1e28,0.001\n");
     assert_eq!(cook.job.material[0].law, "johnson_cook");
     for (key, value) in [
@@ -116,7 +167,6 @@ fn fields_of_metals_without_a_law_are_refused() {
         ("*MAT_081\n1,7.85e-6,200.0,0.3,0.25,0.5\n,,,,0.2\n", "`eppfr` = 0.2"),
         ("*MAT_123\n1,7.85e-6,200.0,0.3,0.25\n,,,,,-0.3\n", "`epsthin` = -0.3"),
         ("*MAT_098\n1,7.85e-6,200.0,0.3\n0.3,0.4,0.5,0.01,,0.9\n", "`sigmax` = 0.9"),
-        ("*MAT_037\n1,7.85e-6,200.0,0.3,0.25,0.5,-1.5\n", "`r` = -1.5"),
         // One part of the base is of solids.
         ("*MAT_037\n1,7.85e-6,200.0,0.3,0.25,0.5,1.5\n", "lankford is for shells only"),
     ] {

@@ -234,6 +234,77 @@ fn what_is_held_comes_from_cards_and_codes() {
     assert_eq!(coded.nodes.fixed[13], 0b11_1110, "y and z, and all rotations");
 }
 
+/// Constraints with a birth or a death are motions at rest; others hold for the whole run.
+#[test]
+fn constraints_may_hold_for_a_time() {
+    let model = with(
+        "*SET_NODE_LIST\n6\n11,14\n*BOUNDARY_SPC_SET_BIRTH_DEATH\n6,0,1,0,1,0,1\n2.0,5.0\n\
+         *BOUNDARY_SPC_NODE_BIRTH_DEATH_ID\n9,held\n13,0,0,1\n0.0\n\
+         *BOUNDARY_SPC_NODE_BIRTH_DEATH\n16,0,0,0,1\n1.0\n",
+    );
+    let held = |node: u64| {
+        model.nodes.fixed[model.mesh.nodes.iter().position(|n| n.id.0 == node).unwrap()]
+    };
+    assert_eq!([11, 13, 16].map(held), [0, 0b10, 0]);
+    let motions: Vec<_> =
+        model.job.motion.iter().map(|m| (m.dofs.join(" "), m.velocity, m.birth, m.death)).collect();
+    let rest = Some([0.0; 3]);
+    let wanted = [("x z ry".to_string(), rest, 2.0, Some(5.0)), ("z".to_string(), rest, 1.0, None)];
+    assert_eq!(motions, wanted);
+    let nodes = |m: usize| {
+        let set = model.job.motion[m].nodes.as_deref().expect("a set");
+        model.mesh.node_sets[set].iter().map(|n| n.0).collect::<Vec<_>>()
+    };
+    assert_eq!([nodes(0), nodes(1)], [vec![11, 14], vec![16]]);
+}
+
+/// A curve of damping is its value, if it is constant from 0 to the end of the run.
+#[test]
+fn a_constant_curve_of_damping_is_a_number() {
+    let card = |points: &str| format!("*DAMPING_GLOBAL\n4,9.0\n*DEFINE_CURVE\n4\n{points}\n");
+    for points in ["0,3.0\n10,3.0", "-1,3.0\n5,3.0\n20,3.0", "0,3.0\n10,3.0\n11,0.0"] {
+        assert_eq!(with(&card(points)).job.time.damping, 3.0, "{points}");
+    }
+    for points in ["0,3.0\n5,3.0", "0,3.0\n10,4.0", "2,3.0\n20,3.0", "0,3.0\n9,3.0\n11,0.0"] {
+        let report = crate::base::refused(&card(points));
+        assert!(report.contains("constant from 0 to the end of the run"), "{points}: {report}");
+    }
+}
+
+/// Rotations of nodes about an axis by their velocity or their angle.
+#[test]
+fn nodes_turn_about_an_axis_by_their_angle() {
+    let model = with(
+        "*SET_NODE_LIST\n6\n11,14\n*BOUNDARY_PRESCRIBED_MOTION_SET\n6,10,2,4,0.5\n3.0,2.0\n\
+         *DEFINE_CURVE\n4\n0,0\n10,1\n",
+    );
+    let motion = &model.job.motion[0];
+    assert_eq!((motion.rotation, motion.spin), (Some([0.0, 0.5, 0.0]), None));
+    assert_eq!(motion.centre, [2.0, 0.0, 3.0]);
+}
+
+/// A line with a word for each field is read by its words where its columns are broken, with a
+/// warning; with fewer words it is an error.
+#[test]
+fn numbers_beyond_their_columns_are_read_as_words() {
+    let curve = |line: &str| {
+        format!(
+            "*LOAD_BODY_Z\n4,1.0\n*DEFINE_CURVE\n         4\n{line}\n\
+             {:>20}{:>20}\n",
+            "10.0", "2.0"
+        )
+    };
+    let model = with(&curve("0.000000000000000E+00                 1.0"));
+    assert_eq!(model.job.curve[0].points, [[0.0, 1.0], [10.0, 2.0]]);
+    let says = |w: &str| model.warnings.iter().any(|warning| warning.message.contains(w));
+    assert!(says("two numbers are in the columns of one field"), "{:?}", model.warnings);
+    let report = crate::base::refused(&curve("0.000000000000000E+00                 1.0x"));
+    assert!(report.contains("has to be a number"), "{report}");
+    let mass = "*ELEMENT_MASS\n   1   11   1.0\n";
+    let report = crate::base::refused(mass);
+    assert!(report.contains("*ELEMENT_MASS"), "{report}");
+}
+
 #[test]
 fn control_cards_set_the_run() {
     let model = with(

@@ -33,6 +33,7 @@ mod ties;
 mod walls;
 mod writer;
 
+pub(in crate::input::deck) use parts::is_thick;
 pub(in crate::input::deck) use rest::{differing, list};
 pub(in crate::input::deck) use writer::{DeckWriter, line, named, table_of, value_of};
 

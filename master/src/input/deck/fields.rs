@@ -118,6 +118,31 @@ pub fn split(line: &[u8], card: &Card, format: CardFormat) -> Fields {
     fields.drop_blanks()
 }
 
+/// Returns the words of a line as the fields of a card whose columns they do not fit: a field of a
+/// number has two words in its columns, and there is one word for each field, which fits it. With
+/// fewer words it would not be known which fields are blank. `None` if the line fits its columns,
+/// or its words do not fit either.
+pub fn words_of_broken_columns(line: &[u8], card: &Card, by_columns: &Fields) -> Option<Fields> {
+    let is_number = |kind: FieldType| matches!(kind, FieldType::Integer | FieldType::Real);
+    let kinds = card.fields.iter().map(|field| field.kind);
+    let broken = kinds.clone().enumerate().any(|(index, kind)| {
+        is_number(kind) && by_columns.text(line, index).iter().any(u8::is_ascii_whitespace)
+    });
+    if !broken || line.contains(&b',') {
+        return None;
+    }
+    let words = words(line, Fields { count: 0, spans: [(0, 0); MOST] });
+    let fit = kinds.enumerate().take(words.count()).all(|(index, kind)| {
+        let word = words.text(line, index);
+        match kind {
+            FieldType::Integer => number::integer(word).is_some(),
+            FieldType::Real => number::real(word).is_some(),
+            FieldType::Word | FieldType::Line => false,
+        }
+    });
+    (fit && words.count() == card.fields.len()).then_some(words)
+}
+
 /// Splits a line at separators.
 fn parts(line: &[u8], separates: impl Fn(u8) -> bool, mut fields: Fields) -> Fields {
     let mut from = 0;

@@ -1,7 +1,7 @@
 //! Cards read by the table: values with their places.
 
 use super::diagnostics::Trouble;
-use super::fields::{CardFormat, split};
+use super::fields::{CardFormat, split, words_of_broken_columns};
 use super::keywords::KeywordRow;
 use super::number;
 use super::parameters::{DeckParameters, Parameter};
@@ -391,7 +391,18 @@ impl Cards<'_> {
         number: usize,
     ) -> CardLine {
         let text = self.texts.line(block, span);
-        let fields = split(text, card, block.format);
+        let mut fields = split(text, card, block.format);
+        if let Some(words) = words_of_broken_columns(text, card, &fields) {
+            let message = format!(
+                "{}: two numbers are in the columns of one field of card {}; the line is read word \
+                 by word",
+                block.shown(),
+                number + 1
+            );
+            let help = format!("write numbers in their columns: {}", layout(card, block.format));
+            self.trouble.warning(block.span(span, 0, text.len()), message, help);
+            fields = words;
+        }
         if fields.count() > card.fields.len() {
             let (from, to) = fields.span(card.fields.len());
             let message = format!(

@@ -123,6 +123,7 @@ const ROLES: &[(&str, &str)] = &[
     ("NODE", "x=@x tc=1 rc=1"),
     ("ELEMENT_SHELL", "thic=l beta=1 offset=l"),
     ("ELEMENT_SOLID", ""),
+    ("ELEMENT_TSHELL", ""),
     ("ELEMENT_MASS", "mass=m"),
     ("ELEMENT_MASS_PART", "addmass=m finmass=m lcid=#f:t:m mwd=1"),
     ("ELEMENT_MASS_NODE_SET", "mass=m"),
@@ -148,6 +149,7 @@ const ROLES: &[(&str, &str)] = &[
         "elform=1 shrf=1 nip=1 propt=1 qr=1 icomp=1 setyp=1 t1=l t2=l t3=l t4=l nloc=1 marea=g \
          idof=1 edgset=1 angle=1",
     ),
+    ("SECTION_TSHELL", "elform=1 shrf=1 nip=1 propt=1 qr=1 icomp=1 tshear=1 angle=1"),
     ("SECTION_SOLID", "elform=1 aet=1 unused=1 cohoff=1 gaskeit=1"),
     (
         "SECTION_BEAM",
@@ -157,6 +159,7 @@ const ROLES: &[(&str, &str)] = &[
     ),
     ("HOURGLASS", "ihq=1 qm=1 ibq=1 q1=1 q2=1 qb=1 qw=1"),
     ("MAT_ELASTIC", "ro=d e=p pr=1 da=1 db=1 k=p"),
+    ("MAT_POWER_LAW_PLASTICITY", "ro=d e=p pr=1 k=p n=1 src=w srp=1 sigy=p vp=1 epsf=1"),
     ("MAT_PLASTIC_KINEMATIC", "ro=d e=p pr=1 sigy=p etan=p beta=1 src=w srp=1 fs=1 vp=1"),
     (
         "MAT_PIECEWISE_LINEAR_PLASTICITY",
@@ -281,8 +284,8 @@ const ROLES: &[(&str, &str)] = &[
     ("DEFINE_VECTOR", "xt=@x xh=@x"),
     ("DEFINE_COORDINATE_SYSTEM", "xo=@x xl=@x xp=@x"),
     ("DEFINE_COORDINATE_NODES", "flag=1"),
+    ("BOUNDARY_SPC*", "dofx=1 dofy=1 dofz=1 dofrx=1 dofry=1 dofrz=1 birth=t death=t"),
     ("BOUNDARY_NON_REFLECTING", "ad=1 as=1"),
-    ("BOUNDARY_SPC*", "dofx=1 dofy=1 dofz=1 dofrx=1 dofry=1 dofrz=1"),
     ("BOUNDARY_PRESCRIBED_MOTION*", "dof=1 vad=1 sf=1 death=t birth=t offset1=l offset2=l"),
     ("INITIAL_VELOCITY_GENERATION", "styp=1 omega=w vx=@v ivatn=1 xc=@x nx=@d phase=1 irigid=1"),
     ("INITIAL_VELOCITY*", "irigid=1 vx=@v vxr=@w vxe=@v vxre=@w"),
@@ -290,6 +293,12 @@ const ROLES: &[(&str, &str)] = &[
     ("LOAD_BODY*", "lcid=#f:t:a sf=1 xc=@x"),
     ("LOAD_GRAVITY_PART*", "dof=1 lc=#f:t:1 accel=a lcdr=#f stga=1 stgr=1"),
     ("LOAD_NODE*", "dof=1 sf=1"),
+    ("LOAD_BLAST", "wgt=m xbo=@x tbo=t iunit=1 isurf=1 cfm=1 cfl=1 cft=1 cfp=1 death=t"),
+    (
+        "LOAD_BLAST_ENHANCED",
+        "bid=1 m=m xbo=@x tbo=t unit=1 blast=1 cfm=1 cfl=1 cft=1 cfp=1 nidbo=#n death=t negphs=1",
+    ),
+    ("LOAD_BLAST_SEGMENT*", "bid=1 alepid=#p sfnrb=1 scalep=1"),
     ("LOAD_RIGID_BODY", "dof=1 sf=1"),
     ("LOAD_SEGMENT*", "lcid=#f:t:p sf=1 at=t"),
     ("LOAD_SHELL*", "esid=#s lcid=#f:t:p sf=1 at=t"),

@@ -11,7 +11,7 @@ use crumple_worker::contact::diagnostics::initial_penetration::{InitialPenetrati
 use crumple_worker::contact::enforce::{CONTACT_LAWS, LawRow};
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::{
-    COHESIVE, ELEMENTS, Element, ElementEntry, build_block, formulation,
+    COHESIVE, ELEMENTS, Element, ElementEntry, THICK_SHELL, build_block, formulation,
 };
 use crumple_worker::fem::materials;
 use crumple_worker::parameter::{Form, ParameterRow};
@@ -124,6 +124,7 @@ impl BuiltElements {
                 Part { truss: Some(_), .. } => Shape::Truss2,
                 Part { particles: Some(_), .. } => Shape::Point1,
                 Part { element: Some(name), .. } if name == "hexahedron" => Shape::Hex8,
+                Part { element: Some(name), .. } if name == THICK_SHELL => Shape::Hex8,
                 Part { element: Some(name), .. } if name == COHESIVE => Shape::Cohesive8,
                 Part { element: Some(name), .. } if name == "tetrahedron" => Shape::Tet4,
                 Part { element: Some(name), .. } if name == "quadratic_tetrahedron" => Shape::Tet10,

@@ -2,15 +2,17 @@
 
 use super::airbags;
 use super::state::{ElementStart, NodeSets, NodeStart};
+use super::units::read;
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{Job, MotionInput, PressureInput, Symmetry};
+use crumple_proto::job::{BlastInput, Burst, Job, MotionInput, PressureInput, Symmetry};
 use crumple_proto::loads::{
-    Gravity, MotionForm, NodalForce, PrescribedMotion, Pressure, ResolvedLoads,
+    Blast, Gravity, MotionForm, NodalForce, PrescribedMotion, Pressure, ResolvedLoads,
 };
 use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
+use crumple_worker::blast::range;
 use std::collections::{HashMap, HashSet};
 
 /// Names of the degrees of freedom, in the order of their bits.
@@ -93,8 +95,12 @@ pub fn resolve(
     }
     for (i, p) in job.pressure.iter().enumerate() {
         let curve = curves.find(&p.curve, &format!("pressure.{i}.curve"), findings);
+        let blast = p.blast.as_ref().and_then(|b| blast(b, i, &job.units, findings));
         if let Some(faces) = loaded_faces(p, i, job, mesh, sets, findings) {
-            loads.pressures.push(Pressure { faces, pressure: p.pressure, curve });
+            if let Some(blast) = &blast {
+                check_range(blast, &faces, i, mesh, findings);
+            }
+            loads.pressures.push(Pressure { faces, pressure: p.pressure, curve, blast });
         }
     }
     loads.airbags = airbags::resolve(job, mesh, sets, &curves, smallest, findings);
@@ -207,6 +213,95 @@ impl<'j> Curves<'j> {
             ));
         }
         found
+    }
+}
+
+/// Returns an explosion with its mass in kilograms; `None` after an error.
+fn blast(b: &BlastInput, i: usize, units: &str, findings: &mut JobProblems) -> Option<Blast> {
+    let path = |key: &str| format!("pressure.{i}.blast.{key}");
+    let known = b.si.or_else(|| {
+        let units = read(units)?;
+        Some([[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|powers| units.factor(powers)))
+    });
+    let Some(si) = known else {
+        let message = format!("an explosion needs units, and `units` is \"{units}\"");
+        let help = "write units = \"mm, ms, kg\" or others, or blast.si = [metres, seconds, \
+                    kilograms] per unit of length, time and mass";
+        findings.add(Problem::error(path("si"), message, help));
+        return None;
+    };
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let mut wrong = Vec::new();
+    if !positive(b.mass) {
+        wrong.push(("mass", format!("the mass of a charge is {}", b.mass), "give it above 0"));
+    }
+    if !si.into_iter().all(positive) {
+        let help = "give metres, seconds and kilograms per unit, each above 0";
+        wrong.push(("si", format!("units are {si:?}"), help));
+    }
+    if !b.time.is_finite() {
+        wrong.push(("time", format!("an explosion is at {}", b.time), "give a time"));
+    }
+    if !b.position.into_iter().all(f64::is_finite) {
+        wrong.push(("position", format!("a charge is at {:?}", b.position), "give three lengths"));
+    }
+    if !wrong.is_empty() {
+        for (key, message, help) in wrong {
+            findings.add(Problem::error(path(key), message, help));
+        }
+        return None;
+    }
+    let [metre, second, kilogram] = si;
+    Some(Blast {
+        mass: b.mass * kilogram,
+        position: b.position,
+        time: b.time,
+        on_ground: b.burst == Burst::Ground,
+        suction: b.suction,
+        si: [metre, second, kilogram / (metre * second * second)],
+    })
+}
+
+/// Reports faces that are outside of the distances for which the tables of an explosion hold.
+fn check_range(
+    blast: &Blast,
+    faces: &[(ElemId, u8)],
+    i: usize,
+    mesh: &Mesh,
+    findings: &mut JobProblems,
+) {
+    let nodes: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let elements: HashMap<ElemId, usize> = mesh.elements.iter().map(|e| e.id).zip(0..).collect();
+    let distance = |&(id, face): &(ElemId, u8)| {
+        let element = &mesh.elements[*elements.get(&id)?];
+        let corners = element.shape.faces()[usize::from(face)].map(|c| element.nodes[c]);
+        let x: Vec<[f64; 3]> = corners.iter().filter_map(|n| nodes.get(n).copied()).collect();
+        let middle = |c: usize| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64;
+        Some((0..3).map(|c| (middle(c) - blast.position[c]).powi(2)).sum::<f64>().sqrt())
+    };
+    let [least, most] = range(blast);
+    let distances: Vec<f64> = faces.iter().filter_map(distance).collect();
+    let near = distances.iter().filter(|&&d| d < least).count();
+    let far = distances.iter().filter(|&&d| d > most).count();
+    let path = format!("pressure.{i}.blast.position");
+    let count = distances.len();
+    let help = "check position, mass and units of the charge";
+    if far > 0 {
+        let message = format!(
+            "{far} of {count} faces are farther than {most:.4e} from the charge: an explosion of \
+             this mass gives them no pressure"
+        );
+        findings.add(match far == count {
+            true => Problem::error(path.clone(), message, help),
+            false => Problem::warning(path.clone(), message, help),
+        });
+    }
+    if near > 0 {
+        let message = format!(
+            "{near} of {count} faces are nearer than {least:.4e} to the charge: they get the \
+             pressure at this distance"
+        );
+        findings.add(Problem::warning(path, message, help));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::DeckConverter;
 use crate::input::deck::record::CardRecord;
+use crate::input::job::tree::Place;
 
 impl DeckConverter {
     pub(super) fn control(&mut self) {
@@ -88,12 +89,37 @@ impl DeckConverter {
             }
         }
         for record in self.take_one("DAMPING_GLOBAL") {
-            if record.integer("lcid") != 0 {
-                self.unsupported_value(&record, "lcid", "time-dependent damping");
-            }
-            let damping = record.real("valdmp") * self.damping_factor(&record);
-            self.tree.set_in("time", "damping", record.place("valdmp"), damping);
+            // A curve replaces the value of the card.
+            let given = match record.integer("lcid") {
+                0 => Some(record.real("valdmp")),
+                id => self.constant_curve(id, record.place("lcid")),
+            };
+            let Some(given) = given else {
+                let why = "damping that changes with the time; give valdmp, or a curve that is \
+                           constant from 0 to the end of the run";
+                self.unsupported_value(&record, "lcid", why);
+                continue;
+            };
+            let damping = given * self.damping_factor(&record);
+            let field = if record.integer("lcid") == 0 { "valdmp" } else { "lcid" };
+            self.tree.set_in("time", "damping", record.place(field), damping);
         }
+    }
+
+    /// Returns the ordinate of a curve that is constant up to the end of the run; 0 without the
+    /// curve, which is reported.
+    fn constant_curve(&mut self, id: i64, place: Place) -> Option<f64> {
+        let Some(curve) = self.curve(id, place) else { return Some(0.0) };
+        let first = curve.points.first().map_or(0.0, |point| point[1]);
+        let within = curve.points.iter().take_while(|point| point[0] <= self.end_time);
+        let lasts = curve.points.last().is_some_and(|last| last[0] >= self.end_time);
+        let begins = curve.points.first().is_some_and(|first| first[0] <= 0.0);
+        let is_constant = begins && lasts && within.clone().all(|point| point[1] == first);
+        // The point after the end gives the slope up to it.
+        let after = curve.points.iter().find(|point| point[0] > self.end_time);
+        let ends = within.last().is_some_and(|last| last[0] == self.end_time);
+        let is_level = ends || after.is_none_or(|point| point[1] == first);
+        (is_constant && is_level).then_some(first)
     }
 
     /// Converts the curve of the intervals of fields, if its abscissas are their times.

@@ -218,7 +218,7 @@ impl DeckConverter {
 
     /// Sets the rate that counts for a law with rates: that of the total strain (vp 0) or of the
     /// plastic strain (vp 1).
-    fn viscoplastic(&mut self, record: &CardRecord, table: &mut JobTable) {
+    pub(super) fn viscoplastic(&mut self, record: &CardRecord, table: &mut JobTable) {
         match record.real("vp") {
             1.0 => table.put("viscoplastic", record.place("vp"), true),
             0.0 | -1.0 => {}
@@ -518,7 +518,7 @@ pub fn held(code: f64, dofs: [&'static str; 3]) -> Vec<&'static str> {
 }
 
 /// Converts C and p of Cowper and Symonds; returns true if they are given.
-fn rates(record: &CardRecord, c: &str, p: &str, table: &mut JobTable) -> bool {
+pub(super) fn rates(record: &CardRecord, c: &str, p: &str, table: &mut JobTable) -> bool {
     let are_given = record.real(c) > 0.0 && record.real(p) > 0.0;
     if are_given {
         table.put("cowper_symonds", record.place(c), [record.real(c), record.real(p)]);

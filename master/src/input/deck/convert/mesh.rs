@@ -44,6 +44,8 @@ pub struct Rows {
     pub curved: Vec<(ElemId, Place)>,
     /// Offsets of shells from their nodes, by index [length].
     pub offsets: Vec<(usize, f64)>,
+    /// Thick shells, by index in `solids`, ascending.
+    pub thick: Vec<usize>,
     index: HashMap<NodeId, usize>,
     /// Largest id of a node, 0 until it is needed.
     top: u64,
@@ -338,12 +340,70 @@ impl Rows {
         }
     }
 
+    /// Reads `*ELEMENT_TSHELL`: solids of eight nodes whose first four are one face.
+    pub fn thick_shells(&mut self, cards: &mut Cards<'_>, row: &KeywordRow, block: &KeywordBlock) {
+        for line in block.lines.iter().copied().filter(|l| l.0 < l.1) {
+            let mut numbers = start(cards, &row.cards[0].0, block, line);
+            let (id, part) = (ElemId(numbers.id(0)), numbers.id(1));
+            let (id, part) = numbers.ids(id, part);
+            let Some(part) = narrow(part, &mut numbers) else { continue };
+            let mut n = [0u64; 8];
+            numbers.corners(2, &mut n);
+            if !numbers.whole {
+                continue;
+            }
+            let reflects = numbers.reflects();
+            let mut corners = n.map(|n| numbers.node(n)).to_vec();
+            let different: BTreeSet<NodeId> = corners.iter().copied().collect();
+            if different.len() < 8 {
+                cards.trouble.error(
+                    block.span(line, 0, (line.1 - line.0) as usize),
+                    format!("thick shell {id} has repeated nodes: six-node ones are not supported"),
+                    "mesh it with eight different nodes, or make it a wedge of *ELEMENT_SOLID",
+                );
+                continue;
+            }
+            if reflects {
+                reflect(Shape::Hex8, &mut corners);
+            }
+            self.thick.push(self.solids.len());
+            self.solids.push(MeshElement::new(id, part, Shape::Hex8, &corners));
+            self.solid_lines.push((block.file, line.0, line.1));
+        }
+    }
+
+    /// Raises the ids of thick shells if other solids have some of them, since both become solids
+    /// of the job.
+    fn number_thick_shells_apart(&mut self, mapping: &mut Vec<Mapping>) {
+        if self.thick.is_empty() {
+            return;
+        }
+        let thick: HashSet<usize> = self.thick.iter().copied().collect();
+        let others = self.solids.iter().enumerate().filter(|(at, _)| !thick.contains(at));
+        let taken: HashSet<ElemId> = others.map(|(_, e)| e.id).collect();
+        if self.thick.iter().all(|&at| !taken.contains(&self.solids[at].id)) {
+            return;
+        }
+        let most = self.solids.iter().map(|e| e.id.0).max().unwrap_or(0);
+        let raise = (1..=15).map(|k| 10u64.pow(k)).find(|&raise| raise > most);
+        let raise = raise.unwrap_or(10u64.pow(15));
+        for &at in &self.thick {
+            self.solids[at].id.0 = self.solids[at].id.0.saturating_add(raise);
+        }
+        mapping.push(Mapping {
+            of: "thick shells".into(),
+            asked: "ids that other solids have too".into(),
+            used: format!("ids raised by {raise}"),
+        });
+    }
+
     /// Makes ids unique. A deck may use the same ids for solids, shells, springs and beams, a job
     /// may not. The ids of the later kinds are then raised.
     pub fn number_apart(&mut self, mapping: &mut Vec<Mapping>) {
         if self.solids.is_empty() && self.springs.is_empty() && self.beams.is_empty() {
             return;
         }
+        self.number_thick_shells_apart(mapping);
         let mut seen: HashSet<ElemId> = self.shells.iter().map(|e| e.id).collect();
         let mut most = self.shells.iter().map(|e| e.id.0).max().unwrap_or(0);
         let lists = [

@@ -2,15 +2,16 @@
 //! Johnson-Cook without temperature.
 
 use super::DeckConverter;
-use super::materials::{hardening_curve, rows};
+use super::materials::{hardening_curve, rates, rows};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 5] = [
+pub const KEYWORDS: [&str; 6] = [
     "MAT_PLASTICITY_WITH_DAMAGE",
     "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY",
     "MAT_SIMPLIFIED_JOHNSON_COOK",
+    "MAT_POWER_LAW_PLASTICITY",
     "MAT_TRANSVERSELY_ANISOTROPIC_ELASTIC_PLASTIC",
     BARLAT,
 ];
@@ -18,6 +19,12 @@ pub const KEYWORDS: [&str; 5] = [
 /// The keyword of `barlat.rs`.
 pub const BARLAT: &str = "MAT_3-PARAMETER_BARLAT";
 
+/// Largest value of sigy of a power law that is a strain.
+const STRAIN_AT_YIELD: f64 = 0.02;
+/// Strain from which on the curve of a power law has steps of 5 %.
+const LEAST_STRAIN: f64 = 1e-6;
+/// Strain at which the curve of a power law ends; its last slope continues it.
+const LARGEST_PLASTIC_STRAIN: f64 = 3.0;
 /// Strain or stress from which on a limit of these cards is none: their defaults are 1e12 and more.
 const NO_LIMIT: f64 = 1e10;
 
@@ -28,6 +35,7 @@ impl DeckConverter {
             "MAT_PLASTICITY_WITH_DAMAGE" => self.metal_with_damage(record, table),
             "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY" => self.metal_with_strains(record, table),
             "MAT_SIMPLIFIED_JOHNSON_COOK" => self.simplified_johnson_cook(record, table),
+            "MAT_POWER_LAW_PLASTICITY" => self.power_law(record, table),
             BARLAT => self.barlat(record, table),
             _ => self.anisotropic_metal(record, table),
         }
@@ -105,13 +113,57 @@ impl DeckConverter {
         }
     }
 
+    /// Converts the yield stress `k (e_y + eps_p)^n` to a curve. The strain at yield e_y follows
+    /// from sigy, or is that at which the power law meets the elastic line.
+    fn power_law(&mut self, record: &CardRecord, table: &mut JobTable) {
+        table.put("law", record.head, "j2");
+        let [e, k, n, sigy] = ["e", "k", "n", "sigy"].map(|field| record.real(field));
+        let mut wrong = |field: &str, what: String, help: &str| {
+            let message = format!("{}: {what}", record.name());
+            self.trouble.error(record.place(field), message, help);
+        };
+        if k.is_nan() || k <= 0.0 {
+            return wrong("k", format!("k is {k}"), "give the strength, a stress above 0");
+        }
+        if !(0.0..1.0).contains(&n) {
+            let what = format!("n is {n}");
+            return wrong("n", what, "give the exponent of hardening, from 0 to below 1");
+        }
+        let first = match sigy {
+            0.0 => (e / k).powf(1.0 / (n - 1.0)),
+            strain if strain <= STRAIN_AT_YIELD => strain,
+            // Without hardening the strain has no influence.
+            _ if n == 0.0 => 1.0,
+            stress => (stress / k).powf(1.0 / n),
+        };
+        if !(first.is_finite() && first > 0.0) {
+            let what = format!("sigy is {sigy} and n is {n}: they give no strain at yield");
+            return wrong("sigy", what, "give the yield stress as sigy, and an n well below 1");
+        }
+        // A straight line over a step of 5 % is off by n (1 - n)/8 of 0.0025 at most: 8e-5.
+        let strains = std::iter::successors(Some(first), |&strain| {
+            let next = (1.05 * strain).max(LEAST_STRAIN);
+            (strain < LARGEST_PLASTIC_STRAIN).then_some(next)
+        });
+        let points: Vec<[f64; 2]> =
+            strains.map(|strain| [strain - first, k * strain.powf(n)]).collect();
+        table.put("hardening", record.place("k"), rows(&hardening_curve(points)));
+        if rates(record, "src", "srp", table) {
+            self.viscoplastic(record, table);
+        }
+        if record.real("epsf") > 0.0 {
+            table.put("failure_strain", record.place("epsf"), record.real("epsf"));
+        }
+    }
+
     fn anisotropic_metal(&mut self, record: &CardRecord, table: &mut JobTable) {
         table.put("law", record.head, "j2");
-        let lankford = record.real("r");
-        if lankford < 0.0 {
-            self.unsupported_value(record, "r", "output of strains; give its amount");
+        let given = record.real("r");
+        if given < 0.0 {
+            let asked = format!("r {given}: a treatment of thinning for long runs");
+            self.map(record.name(), asked, format!("lankford {}", -given));
         }
-        table.put("lankford", record.place("r"), lankford);
+        table.put("lankford", record.place("r"), given.abs());
         let (curve, place) = (record.integer("hlcid"), record.place("hlcid"));
         if curve == 0 {
             table.put("yield_stress", record.place("sigy"), record.real("sigy"));

@@ -3,6 +3,7 @@
 mod airbags;
 mod barlat;
 mod beams;
+mod blast;
 mod body_forces;
 mod cohesive;
 mod composites;
@@ -400,6 +401,7 @@ impl DeckConverter {
             "NODE" => self.rows.nodes(&mut cards, &row.cards[0].0, (block, &block.lines)),
             "ELEMENT_SHELL" => self.rows.shells(&mut cards, row, options, block),
             "ELEMENT_SOLID" => self.rows.solids(&mut cards, row, block),
+            "ELEMENT_TSHELL" => self.rows.thick_shells(&mut cards, row, block),
             _ => {
                 let records = cards.records(row, options, block);
                 if row.keyword.effect != Effect::Model {

@@ -19,6 +19,9 @@ const DOFS: [(&str, &str); 6] = [
     ("dofrz", "rz"),
 ];
 
+/// Time from which on a constraint never ends.
+pub(super) const NEVER: f64 = 1e20;
+
 /// Degrees of freedom that the deck fixes for some nodes.
 #[derive(Debug)]
 pub struct DeckFix {
@@ -42,6 +45,18 @@ impl DeckConverter {
                 self.fixes.push(DeckFix { set, is_new: false, nodes, dofs, place });
             }
         }
+        for record in self.take_records("BOUNDARY_SPC_SET_BIRTH_DEATH") {
+            let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
+            if let Some(set) = self.node_set(nsid, place) {
+                let nodes = self.node_sets[&nsid].0.clone();
+                self.hold_for_a_time(&record, (set, false), nodes, place);
+            }
+        }
+        for record in self.take_records("BOUNDARY_SPC_NODE_BIRTH_DEATH") {
+            let (node, place) = (record.integer("nid"), record.place("nid"));
+            let nodes: Vec<NodeId> = id(node).into_iter().collect();
+            self.hold_for_a_time(&record, (format!("spc-{node}"), true), nodes, place);
+        }
         let mut nodes: BTreeMap<Vec<&'static str>, (Vec<NodeId>, Place)> = BTreeMap::new();
         for record in self.take_records("BOUNDARY_SPC_NODE") {
             let dofs = self.dofs(&record);
@@ -56,6 +71,37 @@ impl DeckConverter {
             dofs.extend(held(rc as f64, ["rx", "ry", "rz"]));
             self.fix_nodes("node", dofs, nodes, place);
         }
+    }
+
+    /// Fixes nodes from birth to death: by a motion at rest, or for the whole run. A new set is
+    /// added.
+    fn hold_for_a_time(
+        &mut self,
+        record: &CardRecord,
+        (set, is_new): (String, bool),
+        nodes: Vec<NodeId>,
+        place: Place,
+    ) {
+        let (dofs, birth) = (self.dofs(record), record.real("birth").max(0.0));
+        let death = record.real_or("death", NEVER);
+        if birth == 0.0 && death >= NEVER {
+            self.fixes.push(DeckFix { set, is_new, nodes, dofs, place });
+            return;
+        }
+        // A motion without names would hold x, y and z.
+        if dofs.is_empty() {
+            return;
+        }
+        let set = if is_new { self.rows.add_new_set(&set, nodes, place) } else { set };
+        let mut table = JobTable::new(record.head)
+            .with("nodes", place, set)
+            .with("dofs", place, dofs)
+            .with("velocity", place, [0.0; 3])
+            .with("birth", record.place("birth"), birth);
+        if death < NEVER {
+            table.put("death", record.place("death"), death);
+        }
+        self.add("motion", table);
     }
 
     /// Converts `*CONSTRAINED_GLOBAL`: nodes on a plane that are fixed as on one of symmetry.
@@ -213,13 +259,13 @@ impl DeckConverter {
         let (axis, rotation) = match dof {
             1..=3 => (dof as usize - 1, false),
             5..=7 => (dof as usize - 5, true),
-            9..=11 if vad == 0 && key == "nodes" => (dof as usize - 9, true),
+            9..=11 if matches!(vad, 0 | 2) && key == "nodes" => (dof as usize - 9, true),
             _ => {
                 return self.unsupported_card(
                     record,
                     "dof",
                     "use x, y, z (1, 2, 3), rotations about them (5, 6, 7), or of nodes about a \
-                     parallel axis by velocity (9, 10, 11)",
+                     parallel axis (9, 10, 11) by velocity or displacement",
                 );
             }
         };
@@ -228,7 +274,7 @@ impl DeckConverter {
             (1, false) => "acceleration",
             (2, false) => "displacement",
             (0, true) => "spin",
-            (2, true) if key == "rigid" => "rotation",
+            (2, true) if key == "rigid" || dof > 8 => "rotation",
             _ => {
                 return self.unsupported_card(
                     record,

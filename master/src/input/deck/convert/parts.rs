@@ -37,6 +37,8 @@ pub(super) struct Shapes {
     pub(super) triangles: bool,
     /// Hexahedra.
     pub(super) solids: bool,
+    /// Thick shells, which are hexahedra of the job.
+    pub(super) thick_shells: bool,
     pub(super) tetrahedra: bool,
     pub(super) wedges: bool,
     pub(super) quadratic_tetrahedra: bool,
@@ -51,7 +53,7 @@ impl Shapes {
     /// Returns true if some elements are no hexahedra.
     pub(super) fn have_others_than_hexahedra(self) -> bool {
         let solids = self.tetrahedra || self.wedges || self.quadratic_tetrahedra;
-        solids || self.quads || self.triangles
+        solids || self.quads || self.triangles || self.thick_shells
     }
 
     /// Returns true if some elements are solids.
@@ -153,7 +155,14 @@ impl DeckConverter {
 
     pub(super) fn shapes_of_parts(&self) -> HashMap<i64, Shapes> {
         let mut all: HashMap<i64, Shapes> = HashMap::new();
-        for element in self.rows.elements() {
+        for &at in &self.rows.thick {
+            all.entry(i64::from(self.rows.solids[at].part)).or_default().thick_shells = true;
+        }
+        let mut thick = self.rows.thick.iter().map(|&at| at + self.rows.shells.len()).peekable();
+        for (at, element) in self.rows.elements().enumerate() {
+            if thick.next_if_eq(&at).is_some() {
+                continue;
+            }
             let shapes = all.entry(i64::from(element.part)).or_default();
             match element.shape {
                 Shape::Quad4 => shapes.quads = true,
@@ -201,13 +210,16 @@ impl DeckConverter {
                     self.solid(record, section, sections, elements.shapes, &mut table);
                 }
             }
+            SectionKind::ThickShell => {
+                self.thick_shell(record, material, (section, sections), elements, &mut table)
+            }
             SectionKind::Beam => self.beam_part(record, section, material, &mut table),
             SectionKind::Discrete | SectionKind::Particle => {}
         }
         self.check_material(record, material, section.kind, &mut table);
         let step = material.deletion_step.filter(|_| material.rigid.is_none());
         let deletes = match section.kind {
-            SectionKind::Shell => true,
+            SectionKind::Shell | SectionKind::ThickShell => true,
             SectionKind::Solid => material.cohesive.is_none(),
             _ => false,
         };
@@ -366,13 +378,14 @@ impl DeckConverter {
     ) {
         let card = &section.record;
         let (id, elform) = (record.integer("pid"), card.integer("elform"));
-        if shapes.quads || shapes.triangles {
+        if shapes.quads || shapes.triangles || shapes.thick_shells {
+            let kind = if shapes.thick_shells { "thick shells" } else { "shells" };
             let message =
-                format!("part {id} has shells and *SECTION_SOLID {}", card.integer("secid"));
+                format!("part {id} has {kind} and *SECTION_SOLID {}", card.integer("secid"));
             self.trouble.error(
                 record.place("secid"),
                 message,
-                "give the shells a separate part with a *SECTION_SHELL",
+                "give them a separate part with a *SECTION_SHELL or *SECTION_TSHELL",
             );
         }
         let has_others = shapes.tetrahedra || shapes.wedges || shapes.quadratic_tetrahedra;

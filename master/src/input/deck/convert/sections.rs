@@ -21,6 +21,8 @@ pub enum SectionKind {
     Shell,
     /// Solids.
     Solid,
+    /// Thick shells of eight nodes.
+    ThickShell,
     /// Springs and dampers.
     Discrete,
     /// Beams.
@@ -114,6 +116,7 @@ impl DeckConverter {
         let kinds = [
             ("SECTION_SHELL", SectionKind::Shell),
             ("SECTION_SOLID", SectionKind::Solid),
+            ("SECTION_TSHELL", SectionKind::ThickShell),
             ("SECTION_BEAM", SectionKind::Beam),
             ("SECTION_DISCRETE", SectionKind::Discrete),
             ("SECTION_SPH", SectionKind::Particle),

@@ -1,10 +1,11 @@
 //! Segments: faces given by their nodes, for pressure.
 
 use super::DeckConverter;
+use super::blast::AS_CURVE;
 use super::sets::{SHELL_SETS, id};
 use super::tree::JobTable;
 use crate::input::deck::record::CardLine;
-use crate::input::job::tree::Place;
+use crate::input::job::tree::{NodeContent, Place};
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -30,7 +31,7 @@ fn add_pressure(loads: &mut Vec<SegmentPressure>, line: &CardLine, faces: Vec<De
     }
 }
 
-fn segment(line: &CardLine) -> DeckSegment {
+pub(super) fn segment(line: &CardLine) -> DeckSegment {
     let mut nodes: Vec<NodeId> = line.integers("n").filter_map(|n| id(n.0)).collect();
     nodes.dedup();
     DeckSegment { nodes, place: line.place }
@@ -76,8 +77,23 @@ impl DeckConverter {
                 }
             }
         }
-        for (number, (curve, scale, place, segments)) in loads.into_iter().enumerate() {
-            let Some(name) = self.time_curve(curve, place) else { continue };
+        let blasts = self.blasts();
+        let of_curves = loads.into_iter().map(|load| (load, false));
+        let of_blasts = self.blast_segments().into_iter().map(|load| (load, true));
+        let loads: Vec<_> = of_curves.chain(of_blasts).collect();
+        for (number, ((curve, scale, place, segments), is_blast)) in loads.into_iter().enumerate() {
+            let is_blast = is_blast || curve == AS_CURVE && blasts.contains_key(&curve);
+            let (key, value) = if is_blast {
+                let Some(blast) = blasts.get(&curve) else {
+                    let known: Vec<String> = blasts.keys().map(i64::to_string).collect();
+                    self.missing(place, "*LOAD_BLAST_ENHANCED", curve, &known);
+                    continue;
+                };
+                ("blast", NodeContent::from(blast.copy()))
+            } else {
+                let Some(name) = self.time_curve(curve, place) else { continue };
+                ("curve", NodeContent::from(name.as_str()))
+            };
             let groups = self.groups_of_faces(&segments, false);
             let mut counts = [0; 2];
             for (sign, group, nodes) in groups {
@@ -89,7 +105,7 @@ impl DeckConverter {
                 let table = JobTable::new(place)
                     .with("nodes", place, set)
                     .with("pressure", place, sign * scale)
-                    .with("curve", place, name.as_str());
+                    .with(key, place, value.clone());
                 self.add("pressure", table);
             }
         }

@@ -8,7 +8,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::mesh::MeshElement;
-use crumple_worker::fem::elements::LARGEST_OFFSET;
+use crumple_worker::fem::elements::{LARGEST_OFFSET, THICK_SHELL};
 use std::collections::BTreeMap;
 
 /// Thickness over the side of a square as large as the mean shell of a rigid part whose section has
@@ -31,13 +31,14 @@ impl DeckConverter {
     ) {
         let card = &section.record;
         let id = record.integer("pid");
-        if elements.shapes.have_solids() {
+        if elements.shapes.have_solids() || elements.shapes.thick_shells {
+            let kind = if elements.shapes.thick_shells { "thick shells" } else { "solids" };
             let message =
-                format!("part {id} has solids and *SECTION_SHELL {}", card.integer("secid"));
+                format!("part {id} has {kind} and *SECTION_SHELL {}", card.integer("secid"));
             self.trouble.error(
                 record.place("secid"),
                 message,
-                "give the solids a separate part with a *SECTION_SOLID",
+                "give them a separate part with a *SECTION_SOLID or *SECTION_TSHELL",
             );
         }
         let mut thickness = self.shell_thickness(id, card, elements);
@@ -56,6 +57,63 @@ impl DeckConverter {
         self.shell_formulation(record, section, sections, elements, table);
         self.angles_of_points(record, card, material, table);
         self.replace_angles(id, material);
+    }
+
+    /// Converts a part of thick shells.
+    pub(super) fn thick_shell(
+        &mut self,
+        record: &CardRecord,
+        material: &DeckMaterial,
+        (section, sections): (&DeckSection, &Sections),
+        elements: PartElements<'_>,
+        table: &mut JobTable,
+    ) {
+        let card = &section.record;
+        let (id, shapes) = (record.integer("pid"), elements.shapes);
+        if shapes.have_solids() || shapes.quads || shapes.triangles {
+            let kind = if shapes.have_solids() { "solids" } else { "shells" };
+            let message =
+                format!("part {id} has {kind} and *SECTION_TSHELL {}", card.integer("secid"));
+            self.trouble.error(
+                record.place("secid"),
+                message,
+                "give them a separate part with a *SECTION_SOLID or *SECTION_SHELL",
+            );
+        }
+        let elform = card.integer("elform");
+        let differs = match elform {
+            0 | 1 | 6 => "",
+            2 => "; it has one point in its plane, not four",
+            3 | 5 | 7 => "; the law is in plane stress at its points",
+            _ => {
+                self.unsupported_value(card, "elform", "use a thick shell with one point (1)");
+                return;
+            }
+        };
+        table.put("element", card.place("elform"), THICK_SHELL);
+        let points = if card.integer("nip") == 0 { 2 } else { card.integer("nip") };
+        table.put("points", card.place("nip"), points);
+        if let Some(place) = self.eroding {
+            table.put("inverted", place, "delete");
+        }
+        let of = format!("part {id}");
+        self.map(&of, format!("thick shells, elform {elform}"), format!("{THICK_SHELL}{differs}"));
+        if record.integer("hgid") != 0 || sections.defaults.hourglass.is_some() {
+            self.map(&of, "hourglass control", "not used: the formulation has its own");
+        }
+        self.section_factors(&of, card);
+        self.angles_of_points(record, card, material, table);
+    }
+
+    /// Lists shear factor and rule of integration of a section that the engine has not.
+    fn section_factors(&mut self, of: &str, card: &CardRecord) {
+        let shear = card.real("shrf");
+        if (shear - 5.0 / 6.0).abs() > 1e-3 {
+            self.map(of, format!("shear factor {shear}"), "5/6");
+        }
+        if card.real("qr") != 0.0 {
+            self.map(of, format!("qr {}: integration rule", card.real("qr")), "Gauss points");
+        }
     }
 
     /// Returns the thickness of the shells of a rigid part whose section has none: rigid shells
@@ -249,13 +307,7 @@ impl DeckConverter {
             self.map(&of, "hourglass control", "not used: the formulation has its own");
         }
         self.map(&of, asked, used);
-        let shear = card.real("shrf");
-        if (shear - 5.0 / 6.0).abs() > 1e-3 {
-            self.map(&of, format!("shear factor {shear}"), "5/6");
-        }
-        if !matches!(card.real("qr"), 0.0) {
-            self.map(&of, format!("qr {}: integration rule", card.real("qr")), "Gauss points");
-        }
+        self.section_factors(&of, card);
     }
 
     /// Removes the drilling stiffness of a part, which these formulations do not have in decks

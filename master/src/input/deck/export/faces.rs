@@ -22,6 +22,10 @@ pub(super) fn of_pressures(model: &Model) -> Option<LoadedFaces> {
     if loads.is_empty() {
         return Some(Vec::new());
     }
+    // Explosions are listed with all their digits.
+    if loads.iter().any(|load| load.blast.is_some()) {
+        return None;
+    }
     let mut counts: HashMap<Vec<NodeId>, usize> = HashMap::new();
     for face in outer_faces(&model.mesh, &free_faces(&model.mesh.elements), |_| true, None) {
         *counts.entry(sorted(&corners(model, face))).or_default() += 1;

@@ -1,5 +1,6 @@
 //! Writes nodes and elements.
 
+use super::parts::is_thick;
 use super::{Blank, DeckWriter, Id, Number, beams, particles, springs};
 use crate::input::job::Model;
 use crumple_proto::job::Part;
@@ -19,12 +20,18 @@ pub fn write(deck: &mut DeckWriter, model: &Model) {
     springs::elements(deck, springs, &model.settings.parts);
     beams::elements(deck, model, &discrete);
     particles::elements(deck, model);
-    for (keyword, shells) in [("ELEMENT_SHELL", true), ("ELEMENT_SOLID", false)] {
-        let of = |shape: Shape| match shells {
-            true => shape.is_shell(),
-            false => shape.is_solid() || shape == Shape::Cohesive8,
+    let thick: BTreeSet<u32> =
+        model.settings.parts.iter().filter(|p| is_thick(p)).map(|p| p.id).collect();
+    for keyword in ["ELEMENT_SHELL", "ELEMENT_SOLID", "ELEMENT_TSHELL"] {
+        let of = |e: &MeshElement| match keyword {
+            "ELEMENT_SHELL" => e.shape.is_shell(),
+            "ELEMENT_TSHELL" => e.shape == Shape::Hex8 && thick.contains(&e.part),
+            _ => {
+                let is_thick = e.shape == Shape::Hex8 && thick.contains(&e.part);
+                !is_thick && (e.shape.is_solid() || e.shape == Shape::Cohesive8)
+            }
         };
-        if !model.mesh.elements.iter().any(|e| of(e.shape)) {
+        if !model.mesh.elements.iter().any(of) {
             continue;
         }
         // The card of THICKNESS has the angle, too.
@@ -37,7 +44,7 @@ pub fn write(deck: &mut DeckWriter, model: &Model) {
                 };
                 option.strip_prefix(card) == Some(if e.offset.is_some() { "_OFFSET" } else { "" })
             };
-            let mut some = model.mesh.elements.iter().filter(|e| of(e.shape) && has(&e.own));
+            let mut some = model.mesh.elements.iter().filter(|e| of(e) && has(&e.own));
             let mut elements = some.by_ref().peekable();
             if elements.peek().is_some() {
                 deck.keyword(&format!("{keyword}{option}"));

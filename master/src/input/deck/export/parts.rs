@@ -8,7 +8,7 @@ use super::{
 use crate::input::job::Model;
 use crumple_proto::job::{Part, Setting};
 use crumple_proto::mesh::Shape;
-use crumple_worker::fem::elements::{COHESIVE, HourglassForm, formulation, points_of};
+use crumple_worker::fem::elements::{COHESIVE, HourglassForm, THICK_SHELL, formulation, points_of};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
@@ -80,6 +80,13 @@ pub fn write(
                 part.id
             ));
         }
+        if !part.layer.is_empty() && is_thick(part) {
+            return Err(format!(
+                "part {}: thick shells with layers cannot be written as a deck: give it a material \
+                 and `angles`",
+                part.id
+            ));
+        }
         if !part.layer.is_empty() {
             let hourglass = hourglass(deck, (model, part), of, common);
             composites::part(deck, part, materials, hourglass);
@@ -87,6 +94,8 @@ pub fn write(
         }
         if shells {
             shell_section(deck, part);
+        } else if is_thick(part) {
+            thick_section(deck, part);
         } else {
             deck.keyword("SECTION_SOLID");
             deck.card(&[Id(id), Id(solid_elform(part, of))]);
@@ -177,6 +186,22 @@ fn shell_section(deck: &mut DeckWriter, part: &Part) {
     angles.chunks(8).for_each(|eight| deck.card(eight));
 }
 
+/// Writes the section of a part of thick shells.
+fn thick_section(deck: &mut DeckWriter, part: &Part) {
+    let points = formulation(part, Shape::Hex8).map_or(2, |row| row.values(part).whole("points"));
+    deck.keyword("SECTION_TSHELL");
+    let composite = if part.angles.is_empty() { Blank } else { Id(1) };
+    let (id, shear) = (Id(u64::from(part.id)), Number(5.0 / 6.0));
+    deck.card(&[id, Id(1), shear, Id(points as u64), Blank, Blank, composite]);
+    let angles: Vec<CardValue> = part.angles.iter().map(|&angle| Number(angle)).collect();
+    angles.chunks(8).for_each(|eight| deck.card(eight));
+}
+
+/// Returns true for a part of thick shells.
+pub(in crate::input::deck) fn is_thick(part: &Part) -> bool {
+    part.element.as_deref() == Some(THICK_SHELL)
+}
+
 /// Returns the formulation of a part of solids in the format. Without hexahedra it is one of
 /// tetrahedra or wedges: in other programs, formulation 1 takes them for collapsed hexahedra.
 fn solid_elform(part: &Part, shapes: &[Shape]) -> u64 {
@@ -228,7 +253,7 @@ fn hourglass(
     common: ShellSettings,
 ) -> bool {
     let shells = is_of_shells(part, shapes);
-    let solids = !shells && !is_cohesive(part);
+    let solids = !shells && !is_cohesive(part) && !is_thick(part);
     let by_card = solids || part.element.as_deref() == Some("belytschko_tsay");
     let given = |key: &str| part.parameters.get(key);
     let form = match given("hourglass") {
@@ -255,7 +280,7 @@ fn hourglass(
         _ => &[],
     };
     let on_card = |key: &str| match key {
-        "points" => shells,
+        "points" => shells || is_thick(part),
         "hourglass" | "warping" | "membrane" => by_card,
         "hourglass_coefficient" => coefficient.is_some(),
         "bulk_viscosity" => !viscosity.is_empty(),

@@ -131,7 +131,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "DAMPING_GLOBAL",
         &[("lcid:i valdmp:r stx:r sty:r stz:r srx:r sry:r srz:r", Maybe)],
-        "`time.damping`, for all directions: stx, sty and stz have to be equal, or all blank",
+        "`time.damping`, for all directions: stx, sty and stz have to be equal, or all blank. The \
+         curve of lcid has to be constant for the whole run",
     ),
     Keyword::new(
         "DATABASE_GLSTAT",

@@ -42,6 +42,30 @@ pub const KEYWORDS: &[Keyword] = &[
     .options(&["ID"])
     .repeats(),
     Keyword::new(
+        "BOUNDARY_SPC_SET_BIRTH_DEATH",
+        &[
+            ("id:i heading:a70", Count(id)),
+            ("nsid:i! cid:i dofx:i dofy:i dofz:i dofrx:i dofry:i dofrz:i", Once),
+            ("birth:r death:r=1e20", Once),
+        ],
+        "`[[motion]]` at rest from birth to death; `[[fix]]` if that is the whole run",
+    )
+    .unused(SPC_UNUSED)
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
+        "BOUNDARY_SPC_NODE_BIRTH_DEATH",
+        &[
+            ("id:i heading:a70", Count(id)),
+            ("nid:i! cid:i dofx:i dofy:i dofz:i dofrx:i dofry:i dofrz:i", Once),
+            ("birth:r death:r=1e20", Once),
+        ],
+        "the same for a node",
+    )
+    .unused(SPC_UNUSED)
+    .options(&["ID"])
+    .repeats(),
+    Keyword::new(
         "BOUNDARY_PRESCRIBED_MOTION_SET",
         &[
             ("id:i heading:a70", Count(id)),
@@ -178,6 +202,39 @@ pub const KEYWORDS: &[Keyword] = &[
         "the same on a set of segments",
     ),
     Keyword::new(
+        "LOAD_BLAST",
+        &[
+            ("wgt:r! xbo:r ybo:r zbo:r tbo:r iunit:i=2 isurf:i=2", Once),
+            ("cfm:r cfl:r cft:r cfp:r death:r=1e20", Maybe),
+        ],
+        "`blast` of the pressures whose curve (lcid) is -2. isurf is `burst`; iunit and the \
+         factors are `si`",
+    ),
+    Keyword::new(
+        "LOAD_BLAST_ENHANCED",
+        &[
+            ("bid:i! m:r! xbo:r ybo:r zbo:r tbo:r unit:i=2 blast:i=2", Once),
+            ("cfm:r cfl:r cft:r cfp:r nidbo:i death:r=1e20 negphs:i", Maybe),
+        ],
+        "`blast` of the pressures of LOAD_BLAST_SEGMENT; blast 1 and 2 are `burst`, unit and the \
+         factors are `si`, negphs is `suction`. Distance and angle of a face are those at the \
+         start",
+    )
+    .unused(&[refused("nidbo", "a charge that moves with a node")])
+    .repeats(),
+    Keyword::new(
+        "LOAD_BLAST_SEGMENT",
+        &[("bid:i! n:i*4 alepid:i sfnrb:r scalep:r=1", Rest)],
+        "`[[pressure]]` of an explosion on a segment",
+    )
+    .unused(OF_FLUIDS),
+    Keyword::new(
+        "LOAD_BLAST_SEGMENT_SET",
+        &[("bid:i! ssid:i! alepid:i sfnrb:r scalep:r=1", Rest)],
+        "the same on a set of segments",
+    )
+    .unused(OF_FLUIDS),
+    Keyword::new(
         "BOUNDARY_NON_REFLECTING",
         &[("ssid:i! ad:r as:r", Rest)],
         "`[[non_reflecting]]`: dampers at the nodes of these faces of solids; ad and as other than \
@@ -194,6 +251,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "the same on a set of shells",
     ),
 ];
+
+const OF_FLUIDS: &[UnusedFields] = &[refused("alepid sfnrb", "segments of fluids")];
 
 const GRAVITY: &[(&str, Times)] = &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
 

@@ -142,6 +142,20 @@ pub const KEYWORDS: &[Keyword] = &[
     .aliases(&["MAT_098", "MAT_98"])
     .options(&["TITLE"]),
     Keyword::new(
+        "MAT_POWER_LAW_PLASTICITY",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r k:r! n:r src:r srp:r", Once),
+            ("sigy:r vp:r epsf:r", Maybe),
+        ],
+        "law `j2` with the curve k (e + p)^n (`hardening`), p the plastic strain and e the strain \
+         at yield: that of sigy (a strain up to 0.02, else a stress), or without it that at which \
+         the curve meets the elastic line. src and srp are `cowper_symonds`, with vp 1 \
+         `viscoplastic`; epsf is `failure_strain`",
+    )
+    .aliases(&["MAT_018", "MAT_18"])
+    .options(&["TITLE"]),
+    Keyword::new(
         "MAT_TRANSVERSELY_ANISOTROPIC_ELASTIC_PLASTIC",
         &[
             ("heading:l", Count(title)),

@@ -30,6 +30,11 @@ pub const KEYWORDS: &[Keyword] = &[
          tetrahedra and wedges, but no pyramids; with ten nodes quadratic tetrahedra",
     ),
     Keyword::new(
+        "ELEMENT_TSHELL",
+        &[("eid:i8! pid:i8! n:i8*8", Rest)],
+        "thick shells of eight nodes: the first four are one face, the others the opposite face",
+    ),
+    Keyword::new(
         "ELEMENT_MASS",
         &[("eid:i8 nid:i8! mass:r16! pid:i8", Rest)],
         "`[[mass]]`, one for all nodes with the same mass",

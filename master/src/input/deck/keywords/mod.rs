@@ -185,11 +185,12 @@ mod tests {
     /// it. Mesh data and parameters are read by position.
     #[test]
     fn every_field_has_a_fate() {
-        const BY_POSITION: [&str; 7] = [
+        const BY_POSITION: [&str; 8] = [
             "CASE",
             "NODE",
             "ELEMENT_SHELL",
             "ELEMENT_SOLID",
+            "ELEMENT_TSHELL",
             "PARAMETER",
             "PARAMETER_EXPRESSION",
             "PARAMETER_DUPLICATION",

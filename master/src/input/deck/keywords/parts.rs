@@ -54,6 +54,23 @@ pub const KEYWORDS: &[Keyword] = &[
     .options(&["TITLE"])
     .repeats(),
     Keyword::new(
+        "SECTION_TSHELL",
+        &[
+            ("heading:l", Count(title)),
+            ("secid:i! elform:i=1 shrf:r=1 nip:i propt:r=1 qr:r icomp:i tshear:i", Once),
+            ("angle:r*8", Count(angles)),
+        ],
+        "thick shells: `element = \"thick_shell\"` with so many points; nip 0 is 2. It has one \
+         point in its plane; elform 2, 3 and 7 have four, and elform 3, 5 and 7 use laws in three \
+         dimensions: it takes their place, with the law in plane stress, and the report says so",
+    )
+    .unused(&[
+        no_effect("propt", "results have all points"),
+        ignored("tshear", "transverse shear is constant over the thickness"),
+    ])
+    .options(&["TITLE"])
+    .repeats(),
+    Keyword::new(
         "SECTION_SOLID",
         &[
             ("heading:l", Count(title)),

@@ -10,7 +10,7 @@ mod materials;
 mod mesh;
 mod parts;
 
-use crate::input::deck::export::{DeckWriter, differing, line, list, most, named};
+use crate::input::deck::export::{DeckWriter, differing, is_thick, line, list, most, named};
 use crate::input::deck::number::shortest;
 use crate::input::deck::radioss::BEYOND;
 use crate::input::job::Model;
@@ -113,6 +113,13 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
             "part {}: cohesive elements cannot be written as a Radioss deck: remove them from the \
              mesh",
             element.part
+        ));
+    }
+    if let Some(part) = model.settings.parts.iter().find(|part| is_thick(part)) {
+        return Err(format!(
+            "part {}: thick shells cannot be written as a Radioss deck: make them solids, or \
+             shells of four nodes",
+            part.id
         ));
     }
     let angled = |id: u32| model.mesh.elements.iter().any(|e| e.part == id && e.own.angle != 0.0);

@@ -336,8 +336,16 @@ impl PlacedModel<'_> {
                     Some([middle, normal.map(|c| -p.pressure * c)])
                 })
                 .collect();
-            let detail = figure(p.pressure) + &self.curve(p.curve);
-            Condition::new("pressure", detail, p.faces.len(), Marks::Arrows(arrows))
+            let (what, detail) = match &p.blast {
+                Some(blast) => {
+                    let place = if blast.on_ground { "on the ground" } else { "in free air" };
+                    let at = vector(blast.position);
+                    ("blast", format!("{} kg of TNT {place} at {at}", figure(blast.mass)))
+                }
+                None => ("pressure", figure(p.pressure)),
+            };
+            let detail = detail + &self.curve(p.curve);
+            Condition::new(what, detail, p.faces.len(), Marks::Arrows(arrows))
         });
         let airbags = loads.airbags.iter().map(|bag| {
             let arrow = |f: &BagFace| {

@@ -103,7 +103,7 @@ impl StarterConverter {
                 self.solid_property(id, (of, properties), shapes, table);
             }
             SectionKind::Beam => self.beam_property(id, of, table),
-            SectionKind::Discrete | SectionKind::Particle => {}
+            SectionKind::ThickShell | SectionKind::Discrete | SectionKind::Particle => {}
         }
         if contact > 0.0 && kind != SectionKind::Shell {
             let asked = format!("thickness {contact} in contact");

@@ -3,7 +3,7 @@
 use super::{Gap, Real, StarterWriter, Whole, Word, list, named};
 use crate::input::deck::convert::space::{cross, unit};
 use crumple_proto::ids::NodeId;
-use crumple_proto::job::{JointInput, MotionInput, NodeHistory, WallInput};
+use crumple_proto::job::{JointInput, MotionInput, NodeHistory, PressureInput, WallInput};
 use std::collections::BTreeSet;
 use toml::{Table, Value};
 
@@ -220,7 +220,9 @@ impl StarterWriter<'_> {
         }
         self.forces();
         let pressures = &model.job.pressure;
-        if pressures.iter().any(|p| p.nodes.is_some() || p.pressure == 0.0) {
+        let has_no_card =
+            |p: &PressureInput| p.nodes.is_some() || p.pressure == 0.0 || p.blast.is_some();
+        if pressures.iter().any(has_no_card) {
             return list(&mut self.deck, "pressure", pressures);
         }
         for (pressure, id) in pressures.iter().zip(1..) {
