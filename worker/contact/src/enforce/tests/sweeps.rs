@@ -1,6 +1,8 @@
 //! Tests of the convergence of sweeps for coupled pairs.
 
 use super::*;
+use crate::enforce::{ContactLaw, InterfaceLaw};
+use std::sync::Mutex;
 
 fn lagrange(iteration: &str, sweeps: i64) -> ContactInput {
     job("lagrange")
@@ -115,6 +117,87 @@ fn accelerated_sweeps_settle_whatever_the_masses() {
             }
         }
     }
+}
+
+/// A law without a solution: a sweep turns the force x of a pair into `x + r(x)`, and r has a least
+/// value but no root, whatever the motion.
+struct Rootless {
+    /// Forces before the sweeps so far.
+    seen: Arc<Mutex<Vec<f64>>>,
+    accelerated: usize,
+}
+
+impl Rootless {
+    fn residual(x: f64) -> f64 {
+        0.05 + 0.1 * (x - 3.0) * (x - 3.0)
+    }
+}
+
+impl ContactLaw for Rootless {
+    fn sweeps(&self) -> usize {
+        2
+    }
+
+    fn iteration(&self) -> Iteration {
+        Iteration::GaussSeidel
+    }
+
+    fn converges(&self) -> bool {
+        true
+    }
+
+    fn accelerated(&self) -> usize {
+        self.accelerated
+    }
+
+    fn initial_force(&self, pair: &Pair, _: StepSizes) -> V3 {
+        pair.normal
+    }
+
+    fn update(&self, pair: &Pair, _: &V3, _: StepSizes) -> Option<V3> {
+        let x = pair.force.dot(&pair.normal);
+        self.seen.lock().unwrap().push(x);
+        Some(pair.normal * (x + Self::residual(x)))
+    }
+
+    fn slip(&self, _: &Pair, _: &V3, _: StepSizes) -> V3 {
+        V3::zeros()
+    }
+}
+
+/// Accelerated sweeps that do not settle end with the forces of the least residual. Here the
+/// extrapolation goes far away again and again.
+#[test]
+fn sweeps_that_do_not_settle_end_with_their_best_forces() {
+    let mut lost = 0;
+    // More sweeps would end beyond the range of numbers.
+    for accelerated in 2..16_usize {
+        // Without a tolerance no accelerated sweeps follow.
+        let job = lagrange("gauss_seidel", 2)
+            .with("accelerated", accelerated as i64)
+            .with("tolerance", 1e-9);
+        let mut points = square([1.0; 4]);
+        points.push(mass([0.0, 0.0, THICK], [0.0, 0.0, -1.0], 1.0));
+        let mut scene = Scene::new(&job, &points, &[[0, 1, 2, 3]], &[4], 1e-3);
+        let seen = Arc::new(Mutex::new(Vec::new()));
+        let law = Rootless { seen: seen.clone(), accelerated };
+        scene.contact.laws.0[0].of[0] = Some(InterfaceLaw::new(Box::new(law)));
+        scene.step();
+        let seen = seen.lock().unwrap();
+        // The plain sweeps come first.
+        let seen = &seen[seen.len() - accelerated..];
+        let best = seen
+            .iter()
+            .copied()
+            .min_by(|a, b| Rootless::residual(*a).total_cmp(&Rootless::residual(*b)));
+        let best = best.expect("a sweep");
+        lost += usize::from(best != seen[accelerated - 1]);
+        let pair = &scene.pairs()[0];
+        let wanted = best + Rootless::residual(best);
+        let found = pair.force.dot(&pair.normal);
+        assert!((found - wanted).abs() < 1e-12 * wanted, "{found} of {seen:?}");
+    }
+    assert!(lost > 5, "the last sweep is not the best one in {lost} of 14 runs");
 }
 
 /// C15: Gauss-Seidel on n equal masses in a row has the spectral radius `cos^2(pi/n)`, and
