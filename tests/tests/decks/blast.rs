@@ -1,10 +1,11 @@
 //! Explosions of decks: the momentum of a plate in free flight, units, what is refused. Units mm,
 //! ms, kg, so kN and GPa.
 
-use crate::base::{assert_refused, model_of};
+use crate::base::{assert_refused, model_of, report_of};
 use crumple::input::job::Model;
 use crumple_proto::job::Burst;
-use crumple_tests::run_alone;
+use crumple_proto::problem::Problem;
+use crumple_tests::{run_alone, run_side_by_side};
 
 /// A free square shell of 10 by 10 by 1, 1 m from the charge, with its normal towards it.
 fn plate(loads: &str) -> String {
@@ -81,12 +82,57 @@ fn what_is_not_supported_is_refused() {
         (enhanced("3,2.0,0,0,0,0,5,2", ""), "`cfm` is 0"),
         (enhanced("3,2.0,0,0,0,0,5,2", "1,1,1,1\n"), "cfp is not the unit of pressure"),
         (enhanced("4,2.0,0,0,0,0,6,2", ""), "no *LOAD_BLAST_ENHANCED with the id 3"),
+        (enhanced("-2,2.0,0,0,0,0,6,2", ""), "bid is -2"),
+        (enhanced("3,2.0,0,0,0,0,6,2", ",,,,,,2\n"), "`negphs` = 2"),
         (enhanced("3,0.0,0,0,0,0,6,2", ""), "the mass of a charge is 0"),
         (enhanced("3,2.0,0,0,0,0,6,2", ",,,,,1.0\n"), "`death` = 1"),
         (plate("*LOAD_SEGMENT_SET\n7,-2\n"), "*DEFINE_CURVE"),
     ] {
         assert_refused(&deck, &[words]);
     }
+    // A refused explosion causes no further errors, and one without segments a warning.
+    let report = report_of(&enhanced("3,2.0,0,0,0,0,6,3", ""));
+    assert!(report.contains("1 error"), "{report}");
+    let model = model_of(&plate(&format!(
+        "*LOAD_BLAST_ENHANCED\n3,1.0,{AT},0.5,6,1\n{ON_SET}\
+         *LOAD_BLAST_ENHANCED\n4,1.0,{AT},0.5,6,1\n"
+    )));
+    let unused = |w: &&Problem| w.message.contains("an explosion loads no segment");
+    assert_eq!(model.warnings.iter().filter(unused).count(), 1, "{:?}", model.warnings);
+}
+
+/// Explosions on a strip of shells that bends give the same bits on any number of workers.
+#[test]
+fn bits_do_not_depend_on_the_workers() {
+    let nodes: String = (0..=12)
+        .flat_map(|i| [0, 1].map(|k| format!("{},{},{},0\n", 11 + 2 * i + k, 5 * i, 5 * k)))
+        .collect();
+    let shells: String = (0..12)
+        .map(|i| {
+            let n = 11 + 2 * i;
+            format!("{},1,{n},{},{},{}\n", i + 1, n + 2, n + 3, n + 1)
+        })
+        .collect();
+    let segments: String = (0..12)
+        .map(|i| {
+            let n = 11 + 2 * i;
+            format!("{n},{},{},{}\n", n + 2, n + 3, n + 1)
+        })
+        .collect();
+    let deck = format!(
+        "*KEYWORD\n*CONTROL_TERMINATION\n0.5\n*PART\nstrip\n1,1,1\n*SECTION_SHELL\n\
+         1,2,1.0,3\n1.0\n*MAT_PLASTIC_KINEMATIC\n1,7.85e-6,207.0,0.3,0.3\n*NODE\n{nodes}\
+         *ELEMENT_SHELL\n{shells}*SET_SEGMENT\n7\n{segments}\
+         *BOUNDARY_SPC_NODE\n11,0,1,1,1,1,1,1\n12,0,1,1,1,1,1,1\n\
+         *LOAD_BLAST_ENHANCED\n3,0.01,30,2,200,0.0,6,2\n{ON_SET}"
+    );
+    let model = model_of(&deck);
+    let digest = |workers| run_side_by_side(&model, workers, 300, 0).digest();
+    let one = digest(1);
+    assert!([2, 3, 4].into_iter().all(|workers| digest(workers) == one));
+    let loaded = run_alone(&model, |_| {});
+    let tip = loaded.nodes.x.iter().map(|x| x[2]).fold(0.0, f64::min);
+    assert!(tip < -1.0, "the wave bends the strip: {tip}");
 }
 
 /// A job needs units for an explosion.

@@ -98,7 +98,7 @@ pub fn resolve(
         let blast = p.blast.as_ref().and_then(|b| blast(b, i, &job.units, findings));
         if let Some(faces) = loaded_faces(p, i, job, mesh, sets, findings) {
             if let Some(blast) = &blast {
-                check_range(blast, &faces, i, mesh, findings);
+                check_range(blast, &faces, i, (mesh, sets), findings);
             }
             loads.pressures.push(Pressure { faces, pressure: p.pressure, curve, blast });
         }
@@ -267,15 +267,15 @@ fn check_range(
     blast: &Blast,
     faces: &[(ElemId, u8)],
     i: usize,
-    mesh: &Mesh,
+    (mesh, sets): (&Mesh, &NodeSets<'_>),
     findings: &mut JobProblems,
 ) {
-    let nodes: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
-    let elements: HashMap<ElemId, usize> = mesh.elements.iter().map(|e| e.id).zip(0..).collect();
     let distance = |&(id, face): &(ElemId, u8)| {
-        let element = &mesh.elements[*elements.get(&id)?];
+        let place = mesh.elements.binary_search_by_key(&id, |element| element.id).ok()?;
+        let element = &mesh.elements[place];
         let corners = element.shape.faces()[usize::from(face)].map(|c| element.nodes[c]);
-        let x: Vec<[f64; 3]> = corners.iter().filter_map(|n| nodes.get(n).copied()).collect();
+        let x: Vec<[f64; 3]> =
+            corners.iter().filter_map(|&n| Some(mesh.nodes[sets.place(n)?].x)).collect();
         let middle = |c: usize| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64;
         Some((0..3).map(|c| (middle(c) - blast.position[c]).powi(2)).sum::<f64>().sqrt())
     };

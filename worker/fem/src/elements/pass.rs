@@ -1,7 +1,7 @@
 //! Pass over the elements of a block: groups of elements, the call of the kernel for each, and the
 //! minima over all.
 
-use super::quad::{magnitude, zero_corners};
+use super::quad::magnitude;
 use super::section::Section;
 use super::solid::SolidMaterial;
 use crate::columns::{HistoryColumnsMut, HistoryStorage};
@@ -386,8 +386,8 @@ impl<L> ElementPass<'_, &mut [L]> {
             if deletion_step > 0.0 {
                 let least: L = least_steps(0.0, deletion_step, step_factors, index);
                 if L::any(totals.stable_dt.lt(least)) {
-                    let of = (kernel.section(), (group, &nodes));
-                    delete_short(of, least, state, [force, moment], &mut totals);
+                    let of = (kernel.section(), || magnitude(group, &nodes));
+                    delete_short(of, least, state, &mut [force, moment], &mut totals);
                 }
             }
             totals
@@ -448,7 +448,8 @@ impl<L> ElementPass<'_, &mut [L]> {
             if let Some(section) = kernel.section().filter(|section| section.deletion_step > 0.0) {
                 let least: L = least_steps(0.0, section.deletion_step, step_factors, index);
                 if L::any(totals.stable_dt.lt(least)) {
-                    delete_thick(section, (group, &nodes), least, state, force, &mut totals);
+                    let of = (section, || moves_of(group, &nodes));
+                    delete_short(of, least, state, &mut [force], &mut totals);
                 }
             }
             totals
@@ -473,46 +474,37 @@ fn least_steps<L: PointLanes<W>, const W: usize>(
     }
 }
 
-/// Deletes the shells of a group whose stable step is below `least` [time]. If the coordinates or
-/// velocities of the group are not finite, none is deleted.
+/// Deletes the elements with a section of a group whose stable step is below `least` [time], or is
+/// none. One whose coordinates or velocities are not finite stays; `moves` returns the sum of their
+/// magnitudes. `corners` are the forces, and the moments if there are any.
 #[cold]
 #[inline(never)]
-fn delete_short<L: PointLanes<W>, const W: usize>(
-    (section, (group, nodes)): (&Section, (&GroupNodes<4, W>, &NodeView<'_>)),
+fn delete_short<L: PointLanes<W>, const C: usize, const W: usize>(
+    (section, moves): (&Section, impl FnOnce() -> L),
     least: L,
     history: &mut [L],
-    [force, moment]: [&mut GroupCorners<4, W>; 2],
+    corners: &mut [&mut GroupCorners<C, W>],
     totals: &mut Totals<L>,
 ) {
     let long = totals.stable_dt.ge(least);
-    let gone = section.delete_inverted(history, long, long, || magnitude(group, nodes));
-    totals.zero_failed(gone);
-    zero_corners::<L, W>(gone, force, moment);
-}
-
-/// Deletes the solids with a section of a group whose stable step is below `least` [time], or is
-/// none. An element whose coordinates or velocities are not finite is not deleted.
-#[cold]
-#[inline(never)]
-fn delete_thick<L: PointLanes<W>, const C: usize, const W: usize>(
-    section: &Section,
-    (group, nodes): (&GroupNodes<C, W>, &NodeView<'_>),
-    least: L,
-    history: &mut [L],
-    force: &mut GroupCorners<C, W>,
-    totals: &mut Totals<L>,
-) {
-    let size = |lane: usize| {
-        let corners = group.iter().map(|corner| corner[lane] as usize);
-        let rows = corners.flat_map(|n| [nodes.x[n], nodes.v[n]]);
-        rows.flat_map(|row| xyz(&row)).map(f64::abs).sum::<f64>()
-    };
-    let long = totals.stable_dt.ge(least);
-    let moves = || L::from_array(std::array::from_fn(size));
     let gone = section.delete_inverted(history, long, long, moves);
     totals.zero_failed(gone);
     let gone = L::select(gone, L::splat(1.0), L::zero()).to_array();
-    (0..W).filter(|&lane| gone[lane] > 0.0).for_each(|lane| force[lane] = [[0.0; 4]; C]);
+    for lane in (0..W).filter(|&lane| gone[lane] > 0.0) {
+        corners.iter_mut().for_each(|rows| rows[lane] = [[0.0; 4]; C]);
+    }
+}
+
+/// Returns the sum of the magnitudes of the coordinates and velocities of each solid of a group.
+fn moves_of<L: PointLanes<W>, const C: usize, const W: usize>(
+    group: &GroupNodes<C, W>,
+    nodes: &NodeView<'_>,
+) -> L {
+    L::from_array(std::array::from_fn(|lane| {
+        let corners = group.iter().map(|corner| corner[lane] as usize);
+        let rows = corners.flat_map(|n| [nodes.x[n], nodes.v[n]]);
+        rows.flat_map(|row| xyz(&row)).map(f64::abs).sum()
+    }))
 }
 
 /// Deletes the solids of a group that are marked, since they are not valid or their stable step is

@@ -6,7 +6,7 @@ use super::segments::DeckSegment;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 /// Id of the curve on `*LOAD_SEGMENT` that stands for `*LOAD_BLAST`.
 pub(super) const AS_CURVE: i64 = -2;
@@ -17,38 +17,26 @@ const USER: [f64; 4] = [0.453_592_37, 0.304_8, 1e-3, 6_894.757_293_168];
 const ROUNDED: f64 = 1e-3;
 
 impl DeckConverter {
-    /// Returns the tables of the explosions of the deck by their id; that of `*LOAD_BLAST` has
-    /// [`AS_CURVE`].
-    pub(super) fn blasts(&mut self) -> HashMap<i64, JobTable> {
-        let mut blasts = HashMap::new();
+    /// Returns the tables of the explosions of the deck by their id, with the place of each;
+    /// `None` for one that has been reported. That of `*LOAD_BLAST` has [`AS_CURVE`].
+    pub(super) fn blasts(&mut self) -> BTreeMap<i64, (Option<JobTable>, Place)> {
+        let mut blasts = BTreeMap::new();
         for record in self.take_one("LOAD_BLAST") {
-            let burst = match record.integer("isurf") {
-                1 => "ground",
-                0 | 2 => "air",
-                _ => {
-                    self.unsupported_card(&record, "isurf", "use 1 (ground) or 2 (air)");
-                    continue;
-                }
-            };
-            if let Some(table) = self.blast(&record, ("wgt", "iunit"), burst) {
-                blasts.insert(AS_CURVE, table);
-            }
+            let why = "use 1 (ground) or 2 (air)";
+            let table = self.blast(&record, ["wgt", "iunit", "isurf"], why);
+            blasts.insert(AS_CURVE, (table, record.head));
         }
         for record in self.take_records("LOAD_BLAST_ENHANCED") {
-            let burst = match record.integer("blast") {
-                1 => "ground",
-                0 | 2 => "air",
-                _ => {
-                    let why = "use 1 (ground) or 2 (air): moving charges and the reflection of an \
-                               air burst by the ground are not supported";
-                    self.unsupported_card(&record, "blast", why);
-                    continue;
-                }
-            };
-            let Some(mut table) = self.blast(&record, ("m", "unit"), burst) else { continue };
+            let why = "use 1 (ground) or 2 (air): moving charges and the reflection of an air \
+                       burst by the ground are not supported";
+            let mut table = self.blast(&record, ["m", "unit", "blast"], why);
             match record.integer("negphs") {
                 0 => {}
-                1 => table.put("suction", record.place("negphs"), false),
+                1 => {
+                    if let Some(table) = &mut table {
+                        table.put("suction", record.place("negphs"), false);
+                    }
+                }
                 _ => self.unsupported_value(&record, "negphs", "use 0 or 1"),
             }
             let id = record.integer("bid");
@@ -57,7 +45,7 @@ impl DeckConverter {
                 self.trouble.error(record.place("bid"), message, "give an id above 0");
                 continue;
             }
-            if blasts.insert(id, table).is_some() {
+            if blasts.insert(id, (table, record.head)).is_some() {
                 let message = format!("there are two explosions with the id {id}");
                 self.trouble.error(record.place("bid"), message, "give each a different id");
             }
@@ -65,13 +53,22 @@ impl DeckConverter {
         blasts
     }
 
-    /// Converts what both cards have.
+    /// Converts what both cards have, from their fields of mass, units and place; `None` after a
+    /// report. `places` says which places are supported.
     fn blast(
         &mut self,
         record: &CardRecord,
-        (mass, unit): (&str, &str),
-        burst: &str,
+        [mass, unit, place]: [&str; 3],
+        places: &str,
     ) -> Option<JobTable> {
+        let burst = match record.integer(place) {
+            1 => "ground",
+            0 | 2 => "air",
+            _ => {
+                self.unsupported_card(record, place, places);
+                return None;
+            }
+        };
         let death = record.real("death");
         if death > 0.0 && death < NEVER && death < self.end_time {
             let why = "an end of the pressure before that of the run";

@@ -378,16 +378,7 @@ impl DeckConverter {
     ) {
         let card = &section.record;
         let (id, elform) = (record.integer("pid"), card.integer("elform"));
-        if shapes.quads || shapes.triangles || shapes.thick_shells {
-            let kind = if shapes.thick_shells { "thick shells" } else { "shells" };
-            let message =
-                format!("part {id} has {kind} and *SECTION_SOLID {}", card.integer("secid"));
-            self.trouble.error(
-                record.place("secid"),
-                message,
-                "give them a separate part with a *SECTION_SHELL or *SECTION_TSHELL",
-            );
-        }
+        self.refuse_other_shapes(record, section, shapes);
         let has_others = shapes.tetrahedra || shapes.wedges || shapes.quadratic_tetrahedra;
         let became = match (sections::solid(elform), sections::pressure(elform)) {
             (Some(_), _) if shapes.only_quadratic_tetrahedra() => {
@@ -434,6 +425,27 @@ impl DeckConverter {
             table.put("inverted", place, "delete");
         }
         self.map(format!("part {id}"), format!("solids, elform {elform}"), became);
+    }
+
+    /// Reports the elements of a part that its section is not for.
+    pub(super) fn refuse_other_shapes(
+        &mut self,
+        record: &CardRecord,
+        section: &DeckSection,
+        shapes: Shapes,
+    ) {
+        let [id, secid] = ["pid", "secid"].map(|field| record.integer(field));
+        let kinds = [
+            (SectionKind::Shell, shapes.quads || shapes.triangles, "shells", "*SECTION_SHELL"),
+            (SectionKind::Solid, shapes.have_solids(), "solids", "*SECTION_SOLID"),
+            (SectionKind::ThickShell, shapes.thick_shells, "thick shells", "*SECTION_TSHELL"),
+        ];
+        let own = kinds.iter().find(|kind| kind.0 == section.kind).map_or("", |kind| kind.3);
+        for (_, _, elements, wanted) in kinds.iter().filter(|k| k.0 != section.kind && k.1) {
+            let message = format!("part {id} has {elements} and {own} {secid}");
+            let help = format!("give the {elements} a separate part with a {wanted}");
+            self.trouble.error(record.place("secid"), message, help);
+        }
     }
 
     /// Reports an hourglass control that a part refers to and that does not exist.

@@ -77,19 +77,24 @@ impl DeckConverter {
                 }
             }
         }
-        let blasts = self.blasts();
+        let mut blasts = self.blasts();
         let of_curves = loads.into_iter().map(|load| (load, false));
         let of_blasts = self.blast_segments().into_iter().map(|load| (load, true));
         let loads: Vec<_> = of_curves.chain(of_blasts).collect();
+        let mut used = BTreeSet::new();
         for (number, ((curve, scale, place, segments), is_blast)) in loads.into_iter().enumerate() {
             let is_blast = is_blast || curve == AS_CURVE && blasts.contains_key(&curve);
             let (key, value) = if is_blast {
-                let Some(blast) = blasts.get(&curve) else {
-                    let known: Vec<String> = blasts.keys().map(i64::to_string).collect();
-                    self.missing(place, "*LOAD_BLAST_ENHANCED", curve, &known);
-                    continue;
-                };
-                ("blast", NodeContent::from(blast.copy()))
+                used.insert(curve);
+                match blasts.get(&curve) {
+                    Some((Some(blast), _)) => ("blast", NodeContent::from(blast.copy())),
+                    Some((None, _)) => continue,
+                    None => {
+                        let known: Vec<String> = blasts.keys().map(i64::to_string).collect();
+                        self.missing(place, "*LOAD_BLAST_ENHANCED", curve, &known);
+                        continue;
+                    }
+                }
             } else {
                 let Some(name) = self.time_curve(curve, place) else { continue };
                 ("curve", NodeContent::from(name.as_str()))
@@ -108,6 +113,12 @@ impl DeckConverter {
                     .with(key, place, value.clone());
                 self.add("pressure", table);
             }
+        }
+        blasts.retain(|id, _| !used.contains(id));
+        for (_, place) in blasts.into_values() {
+            let message = "an explosion loads no segment: it has no effect".to_string();
+            let help = "name it on *LOAD_BLAST_SEGMENT_SET, or remove it";
+            self.trouble.warning(place, message, help);
         }
     }
 

@@ -31,16 +31,7 @@ impl DeckConverter {
     ) {
         let card = &section.record;
         let id = record.integer("pid");
-        if elements.shapes.have_solids() || elements.shapes.thick_shells {
-            let kind = if elements.shapes.thick_shells { "thick shells" } else { "solids" };
-            let message =
-                format!("part {id} has {kind} and *SECTION_SHELL {}", card.integer("secid"));
-            self.trouble.error(
-                record.place("secid"),
-                message,
-                "give them a separate part with a *SECTION_SOLID or *SECTION_TSHELL",
-            );
-        }
+        self.refuse_other_shapes(record, section, elements.shapes);
         let mut thickness = self.shell_thickness(id, card, elements);
         if thickness == 0.0 && material.rigid.is_some() {
             thickness = self.stand_in_thickness(id, (record, card), material);
@@ -69,17 +60,8 @@ impl DeckConverter {
         table: &mut JobTable,
     ) {
         let card = &section.record;
-        let (id, shapes) = (record.integer("pid"), elements.shapes);
-        if shapes.have_solids() || shapes.quads || shapes.triangles {
-            let kind = if shapes.have_solids() { "solids" } else { "shells" };
-            let message =
-                format!("part {id} has {kind} and *SECTION_TSHELL {}", card.integer("secid"));
-            self.trouble.error(
-                record.place("secid"),
-                message,
-                "give them a separate part with a *SECTION_SOLID or *SECTION_SHELL",
-            );
-        }
+        let id = record.integer("pid");
+        self.refuse_other_shapes(record, section, elements.shapes);
         let elform = card.integer("elform");
         let differs = match elform {
             0 | 1 | 6 => "",

@@ -230,6 +230,15 @@ impl StarterConverter {
                 return [a, given, e];
             }
         }
+        if e <= 0.0 || given <= 0.0 {
+            let message = format!(
+                "{}: with iflag 1 the ultimate stress is {given} at the strain {e}",
+                record.name()
+            );
+            let help = "give both above 0: b is the largest engineering stress, n its strain";
+            self.deck.trouble.error(record.place("b"), message, help);
+            return [a, 0.0, 1.0];
+        }
         let (s, g, modulus) = (given * (1.0 + e), (1.0 + e).ln(), record.real("e"));
         let n = s * g / (s - a);
         let (b, n) = match n {
