@@ -29,8 +29,8 @@ pub use contact::{ContactInput, Interface};
 pub use discrete_beam::{AxisSpring, BeamAxis, DiscreteBeamInput, TurningNode};
 pub use joint::{JointInput, JointKind, JointResistance};
 pub use loads::{
-    BlastInput, Burst, CurveInput, GravityInput, LoadInput, MotionInput, NonReflectingInput,
-    PressureInput, Symmetry,
+    BlastInput, Burst, CurveInput, DampingInput, GravityInput, LoadInput, MotionInput,
+    NonReflectingInput, PressureInput, Symmetry,
 };
 pub use output::{NodeHistory, Output, SectionHistory, TransducerHistory};
 pub use part_ref::PartRef;
@@ -131,6 +131,9 @@ pub struct Job {
     /// Gravity and other body forces; all entries are added.
     #[serde(default)]
     pub gravity: Vec<GravityInput>,
+    /// Damping of parts in proportion to their masses; all entries are added.
+    #[serde(default)]
+    pub damping: Vec<DampingInput>,
     /// Forces on node sets; all entries are added.
     #[serde(default)]
     pub load: Vec<LoadInput>,

@@ -21,6 +21,8 @@ pub struct ResolvedLoads {
     pub motions: Vec<PrescribedMotion>,
     /// Mass-proportional damping [1/time], 0 for none.
     pub damping: f64,
+    /// Damping of parts.
+    pub part_damping: Vec<PartDamping>,
     /// Dampers at nodes of boundaries that let waves out, in ascending id.
     pub absorbers: Vec<Absorber>,
 }
@@ -44,6 +46,17 @@ pub struct Gravity {
     pub curve: Option<usize>,
     /// Nodes on which it acts, ascending, with the fraction of their mass; all nodes if `None`.
     pub shares: Option<Vec<(NodeId, f64)>>,
+}
+
+/// Damping of parts in proportion to their masses.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartDamping {
+    /// Coefficient [1/time].
+    pub coefficient: f64,
+    /// Index of its curve; constant if `None`.
+    pub curve: Option<usize>,
+    /// Nodes on which it acts, ascending, with the fraction of their mass.
+    pub shares: Vec<(NodeId, f64)>,
 }
 
 /// Force and moment on each of a set of nodes.

@@ -1,5 +1,5 @@
 //! Loads: body forces, nodal forces, pressure on faces and of airbags, damping proportional to
-//! mass, and dampers at nodes of boundaries that let waves out.
+//! mass of the model and of parts, and dampers at nodes of boundaries that let waves out.
 //!
 //! Pressure is added to the element nodal forces of the loaded element, so that the assembly sums
 //! it in ascending element id with all other forces. Work is force times the mean of the
@@ -16,7 +16,8 @@ use crate::time::StepSizes;
 use crate::work::{Work, WorkSum};
 use crumple_proto::airbag::ResolvedAirbag;
 use crumple_proto::exact_sum::ExactSum;
-use crumple_proto::loads::{Absorber, Gravity, Pressure, ResolvedLoads};
+use crumple_proto::ids::NodeId;
+use crumple_proto::loads::{Absorber, Gravity, PartDamping, Pressure, ResolvedLoads};
 use nalgebra::{Matrix3, Vector3};
 
 /// Loads on the nodes and elements of this worker, by local index.
@@ -27,6 +28,8 @@ pub struct Loads {
     gravity: Vec<(Row, Option<usize>)>,
     /// Body forces on parts.
     of_parts: Vec<PartGravity>,
+    /// Damping of parts.
+    damped_parts: Vec<LocalDamping>,
     forces: Vec<LocalForce>,
     pressures: Vec<Pressure>,
     airbags: Vec<ResolvedAirbag>,
@@ -48,6 +51,7 @@ stateless!(Loads {
     curves,
     gravity,
     of_parts,
+    damped_parts,
     forces,
     pressures,
     airbags,
@@ -59,6 +63,7 @@ stateless!(Loads {
     cycles
 });
 stateless!(PartGravity { job, shares, falling });
+stateless!(LocalDamping { job, shares, loads });
 stateless!(LocalForce { job, nodes, factor });
 stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, shares, blast, force });
 
@@ -82,6 +87,16 @@ struct PartGravity {
     shares: Vec<(u32, f64)>,
     /// Acceleration at the present time [length/time^2].
     falling: Row,
+}
+
+/// Damping of a fraction of the masses of some local nodes.
+#[derive(Debug)]
+struct LocalDamping {
+    job: PartDamping,
+    /// Local nodes with the fraction of their mass.
+    shares: Vec<(u32, f64)>,
+    /// Force and moment on each of these nodes in this step [force, force length].
+    loads: Vec<[Row; 2]>,
 }
 
 /// A force on some local nodes.
@@ -164,6 +179,11 @@ impl Loads {
                 .filter(|g| g.shares.is_some())
                 .map(|g| PartGravity { job: g.clone(), shares: Vec::new(), falling: [0.0; 4] })
                 .collect(),
+            damped_parts: job
+                .part_damping
+                .iter()
+                .map(|d| LocalDamping { job: d.clone(), shares: Vec::new(), loads: Vec::new() })
+                .collect(),
             forces: job
                 .forces
                 .iter()
@@ -192,13 +212,17 @@ impl Loads {
         for absorber in &mut self.absorbers {
             absorber.node = nodes.local_index(absorber.job.node);
         }
+        let local = |&(id, share): &(NodeId, f64)| Some((nodes.local_index(id)?, share));
         for g in &mut self.of_parts {
-            let shares = g.job.shares.iter().flatten();
-            g.shares = shares.filter_map(|&(id, s)| Some((nodes.local_index(id)?, s))).collect();
+            g.shares = g.job.shares.iter().flatten().filter_map(local).collect();
+        }
+        for d in &mut self.damped_parts {
+            d.shares = d.job.shares.iter().filter_map(local).collect();
+            d.loads = vec![[[0.0; 4]; 2]; d.shares.len()];
         }
         self.cycles.clear();
-        let act = !(self.gravity.is_empty() && self.of_parts.is_empty() && self.forces.is_empty());
-        if subcycles > 1 && act {
+        let act = [self.gravity.len(), self.of_parts.len(), self.damped_parts.len()];
+        if subcycles > 1 && (act != [0; 3] || !self.forces.is_empty()) {
             let of = |i| if blocks.has_subcycled_only(i) { subcycles as f64 } else { 1.0 };
             self.cycles.extend((0..nodes.local_count).map(of));
         }
@@ -315,7 +339,9 @@ impl Loads {
         times(&self.cycles, i, set)
     }
 
-    /// Adds body forces and nodal forces to the forces of local nodes, in the order of the job.
+    /// Adds body forces, the damping of parts and nodal forces to the forces of local nodes, in the
+    /// order of the job. The damping of parts takes the velocity before the step: it lags by half a
+    /// step, and is stable for `a dt < 2`.
     pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64, set: ElementSet) {
         if !self.gravity.is_empty() {
             self.falling = [0.0; 4];
@@ -336,6 +362,22 @@ impl Loads {
                 let n = n as usize;
                 let m = nodes.mass[n] * share * times(cycles, n, set);
                 (0..3).for_each(|c| nodes.force[n][c] += m * g.falling[c]);
+            }
+        }
+        for d in &mut self.damped_parts {
+            let damping = -d.job.coefficient * factor(&self.curves, d.job.curve, time);
+            for (&(n, share), load) in d.shares.iter().zip(&mut d.loads) {
+                let n = n as usize;
+                let by = damping * share * times(cycles, n, set);
+                *load = [[0.0; 4]; 2];
+                for c in 0..3 {
+                    load[0][c] = by * nodes.mass[n] * nodes.v[n][c];
+                    nodes.force[n][c] += load[0][c];
+                }
+                for c in (0..3).filter(|_| nodes.rotations) {
+                    load[1][c] = by * nodes.inertia[n] * nodes.w[n][c];
+                    nodes.moment[n][c] += load[1][c];
+                }
             }
         }
         for load in &mut self.forces {
@@ -429,6 +471,13 @@ impl Loads {
             for (i, share) in shares.filter(|s| nodes.is_owned(s.0)) {
                 let mass = nodes.mass[i] * share * self.times(i, set);
                 sum.add(moved(&g.falling, i) * (mass * mid));
+            }
+        }
+        for d in &self.damped_parts {
+            let owned = d.shares.iter().map(|s| s.0 as usize).zip(&d.loads);
+            for (i, [f, m]) in owned.filter(|&(i, _)| nodes.is_owned(i)) {
+                let turning = if nodes.rotations { turned(m, i) } else { Work::default() };
+                sum.add((moved(f, i) + turning) * mid);
             }
         }
         for load in &self.forces {

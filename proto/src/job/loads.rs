@@ -31,6 +31,21 @@ pub struct GravityInput {
     pub parts: Vec<u32>,
 }
 
+/// Damping of some parts in proportion to their masses, in addition to `time.damping`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DampingInput {
+    /// Coefficient: a force `-coefficient * mass * velocity` on every node of the parts, and the
+    /// corresponding moment, with the share of the mass that their elements have [1/time].
+    pub coefficient: f64,
+    /// Name of a curve, the factor over time; without it 1.
+    #[serde(default)]
+    pub curve: Option<String>,
+    /// Parts on whose elements it acts, those of rigid bodies included.
+    #[schemars(with = "Vec<PartRef>")]
+    pub parts: Vec<u32>,
+}
+
 /// Force of constant direction on a node set.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -59,6 +59,9 @@ pub struct TieInput {
     /// force on a node acts on the face with its moment.
     #[serde(default)]
     pub offset: bool,
+    /// If no node is near enough to the surface, warn instead of an error.
+    #[serde(default)]
+    pub may_be_empty: bool,
     /// Limits at which nodes tied to a surface come off; then they are in contact as all others.
     #[serde(default)]
     pub failure: Option<TieFailureInput>,

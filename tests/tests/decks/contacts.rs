@@ -1,7 +1,8 @@
 //! Contact cards and the interfaces that they become.
 
-use super::base::{BASE, MOVES, STEEL, model_of, read_with, with};
+use super::base::{BASE, MOVES, STEEL, assert_refused, model_of, read_with, with};
 use crumple::input::job::{Model, read};
+use crumple_tests::run_alone;
 use std::fs;
 
 #[test]
@@ -212,4 +213,42 @@ fn exported_contacts_are_read_as_they_were() {
     assert_eq!(numbers(&job), numbers(&again), "{text}");
     let twice = crumple::input::deck::export::export(&again).unwrap().text;
     assert_eq!(numbers(&job), numbers(&model_of(&twice.replace("*END\n", ""))), "exported twice");
+}
+
+/// The tools of a forming contact have no thickness, or that of sbst: a sheet that falls onto a
+/// fixed tool comes as near as half of its own thickness, and half of sbst.
+#[test]
+fn tools_of_forming_have_no_thickness() {
+    let deck = |card: &str| {
+        format!(
+            "*KEYWORD\n*CONTROL_TERMINATION\n0.004\n*PART\nsheet\n1,1,1\n*PART\ntool\n2,2,2\n\
+             *SECTION_SHELL\n1,2,1.0,3\n1.0\n*SECTION_SHELL\n2,2,1.0,3\n2.0\n\
+             *MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n*MAT_RIGID\n2,7.85e-6,207.0,0.3\n1,7,7\n\
+             *NODE\n1,-5,-5,0\n2,15,-5,0\n3,15,15,0\n4,-5,15,0\n\
+             11,0,0,2\n12,10,0,2\n13,10,10,2\n14,0,10,2\n*ELEMENT_SHELL\n\
+             1,2,1,2,3,4\n2,1,11,12,13,14\n*SET_NODE_LIST\n3\n11,12,13,14\n\
+             *INITIAL_VELOCITY\n3\n0,0,-1000\n{card}"
+        )
+    };
+    let card = |thickness: &str| {
+        format!("*CONTACT_FORMING_ONE_WAY_SURFACE_TO_SURFACE\n1,2,3,3\n0.1\n1,1,0,{thickness}\n")
+    };
+    for (thickness, nearest) in [("0", 0.501), ("0.6", 0.8)] {
+        let model = model_of(&deck(&card(thickness)));
+        let mut least = f64::INFINITY;
+        run_alone(&model, |engine| {
+            let z = engine.nodes.id.iter().zip(&engine.nodes.x).filter(|(id, _)| id.0 > 10);
+            least = z.map(|(_, x)| x[2]).fold(least, f64::min);
+        });
+        // It rebounds within a step of 1e-3 ms.
+        assert!((least - nearest).abs() < 0.01, "{thickness}: {least}");
+    }
+    for (lines, words) in [
+        (card("-0.6"), "`sbst` = -0.6"),
+        (card("0.6") + &card("0.7"), "one contact thickness for each tool"),
+        (card("0.6").replace("1,1,0,", "1,1,2,"), "`sast` = 2"),
+        (card("0.6").replace("0.6\n", "0.6,2\n"), "`sfsat` = 2"),
+    ] {
+        assert_refused(&deck(&lines), &[words]);
+    }
 }

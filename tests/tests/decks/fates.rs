@@ -190,6 +190,11 @@ fn hourglass_control_has_the_defaults_of_the_format() {
     assert_eq!(of(0, "*CONTROL_HOURGLASS\n6,0.1\n"), ("viscous".into(), Some(0.1)));
     let report = refused(&based("*CONTROL_HOURGLASS\n8,0.1\n"));
     assert!(report.contains("ihq 8 is not supported"), "{report}");
+    // Without the form its coefficient has no meaning.
+    let text = based("*CONTROL_HOURGLASS\n16,1.0\n");
+    let left = reading(&text, &["mesh.allow_unsupported=true"]).unwrap_or_else(|r| panic!("{r}"));
+    let coefficient = &left.job.part[1].parameters["hourglass_coefficient"];
+    assert_eq!(coefficient.number(), Some(0.1));
     let drilling = |lines: &str| with(lines).job.part[0].parameters.get("drilling").cloned();
     assert_eq!(drilling("").as_ref().and_then(Setting::number), Some(0.0));
     assert_eq!(drilling("*CONTROL_SHELL\n0\n0\n0\n0,0,0,0,0,1\n"), None, "that of the job");

@@ -16,6 +16,7 @@ mod cohesive;
 mod composites;
 mod contacts;
 mod damage;
+mod damping;
 mod deletion_step;
 mod discrete_beams;
 mod exported;

@@ -110,6 +110,9 @@ fn added_failure_of_a_material() {
     ] {
         assert_eq!(parameter(&eroding, key), value, "{key}");
     }
+    let strained = model(&format!("{metal}*MAT_ADD_EROSION\n1,,,,0.4\n"));
+    assert_eq!(parameter(&strained, "erosion_effective_strain"), "0.4");
+    assert_eq!(parameter(&strained, "erosion_plastic_strain"), "");
 }
 
 /// Damage, strains of failure and anisotropy become keys of `j2`, Johnson-Cook without temperature

@@ -194,3 +194,25 @@ fn rigid_shells_without_a_thickness_are_a_surface() {
     let report = report_of(&wall("", "0.0").replace("1,1,9\n", "1,1,1\n"));
     assert!(report.contains("have no `thickness`"), "{report}");
 }
+
+/// A velocity of a rigid body is that of all its parts and extra nodes, also if the card names one
+/// of them.
+#[test]
+fn a_body_of_several_parts_starts_as_one() {
+    let text = BASE.replace("cube\n2,2,1\n", "cube\n2,2,2\nother\n3,2,2\n");
+    let model = model_of(&format!(
+        "{text}{STEEL}{MOVES}*MAT_RIGID\n2,7.85e-6,207.0,0.3\n*NODE\n21,0,0,-10\n22,10,0,-10\n\
+         23,10,10,-10\n24,0,10,-10\n*ELEMENT_SOLID\n9,3,21,22,23,24,1,2,3,4\n\
+         *CONSTRAINED_RIGID_BODIES\n2,3\n*CONSTRAINED_EXTRA_NODES_NODE\n3,11\n\
+         *INITIAL_VELOCITY_RIGID_BODY\n3,0,2.0,0,0.1\n"
+    ));
+    for (node, v) in model.mesh.nodes.iter().zip(&model.nodes.velocity) {
+        let is_member = node.id.0 < 11 || node.id.0 > 20 || node.id.0 == 11;
+        // The centre of both cubes is at z = 0, y = 5.
+        let [_, y, z] = node.x;
+        let wanted =
+            if is_member { [0.0, 2.0 - 0.1 * z, 0.1 * (y - 5.0)] } else { [1.0, 0.0, 0.0] };
+        let error = (0..3).map(|c| (v[c] - wanted[c]).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-12, "{}: {v:?}, {wanted:?}", node.id);
+    }
+}

@@ -78,6 +78,18 @@ fn other_options_are_refused() {
     }
 }
 
+/// Nodes that are all too far away are not tied; only contacts that can tie them later warn.
+#[test]
+fn distant_nodes_may_come_into_contact_later() {
+    let card = |keyword: &str, limits: &str| format!("*CONTACT_{keyword}\n1,2,3,3\n\n\n{limits}\n");
+    let later = with(&card("AUTOMATIC_SURFACE_TO_SURFACE_TIEBREAK", "1"));
+    let words = "none of its 6 nodes is near enough";
+    assert!(later.warnings.iter().any(|w| w.message.contains(words)), "{:?}", later.warnings);
+    assert!(later.settings.ties.is_empty() && later.job.contact.is_some());
+    let report = refused(&card("TIEBREAK_SURFACE_TO_SURFACE", "0.1,0.1"));
+    assert!(report.contains(words), "{report}");
+}
+
 /// Ties of all keywords have the order of the deck.
 #[test]
 fn ties_are_in_the_order_of_the_deck() {

@@ -92,6 +92,7 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     let mut curves = TimeCurves::new(job);
     initial::write(&mut deck, job, set);
     loads::gravity(&mut deck, model, &mut curves);
+    loads::damping(&mut deck, model, &mut curves);
     loads::on_nodes(&mut deck, model, set, &mut curves);
     faces::pressures(&mut deck, job, faces, &mut curves);
     airbags::write(&mut deck, model, &mut curves);

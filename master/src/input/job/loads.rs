@@ -7,7 +7,7 @@ use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::job::{BlastInput, Burst, Job, MotionInput, PressureInput, Symmetry};
 use crumple_proto::loads::{
-    Blast, Gravity, MotionForm, NodalForce, PrescribedMotion, Pressure, ResolvedLoads,
+    Blast, Gravity, MotionForm, NodalForce, PartDamping, PrescribedMotion, Pressure, ResolvedLoads,
 };
 use crumple_proto::mesh::{Mesh, free_faces};
 use crumple_proto::partition::Settings;
@@ -69,8 +69,23 @@ pub fn resolve(
     for (i, g) in job.gravity.iter().enumerate() {
         let curve = curves.find(&g.curve, &format!("gravity.{i}.curve"), findings);
         known_parts(&g.parts, &format!("gravity.{i}"), "gravity", job, findings);
-        // Shares follow from the masses of the elements, see `share_gravity`.
+        // Shares follow from the masses of the elements, see `share_masses`.
         loads.gravity.push(Gravity { acceleration: g.acceleration, curve, shares: None });
+    }
+    for (i, d) in job.damping.iter().enumerate() {
+        let path = |key: &str| format!("damping.{i}.{key}");
+        let curve = curves.find_positive(&d.curve, &path("curve"), findings);
+        if d.parts.is_empty() {
+            let help = "name its `parts`; `time.damping` acts on the whole model";
+            findings.add(Problem::error(path("parts"), "a damping has no parts", help));
+        }
+        known_parts(&d.parts, &format!("damping.{i}"), "damping", job, findings);
+        let coefficient = d.coefficient;
+        if !(coefficient.is_finite() && coefficient >= 0.0) {
+            let message = format!("`coefficient` is {coefficient:?}");
+            findings.add(Problem::error(path("coefficient"), message, "give it at 0 or above"));
+        }
+        loads.part_damping.push(PartDamping { coefficient, curve, shares: Vec::new() });
     }
     for (i, load) in job.load.iter().enumerate() {
         let curve = curves.find(&load.curve, &format!("load.{i}.curve"), findings);
@@ -379,15 +394,15 @@ fn known_parts(
     known
 }
 
-/// Finds the nodes of gravity on parts, with the fraction of their mass that elements of these
-/// parts have. The mass of tied nodes counts at the nodes that they follow.
-pub fn share_gravity(
+/// Finds the nodes of gravity and damping of parts, with the fraction of their mass that elements
+/// of these parts have. The mass of tied nodes counts at the nodes that they follow.
+pub fn share_masses(
     job: &Job,
     mesh: &Mesh,
     settings: &mut Settings,
     (elements, nodes): (&ElementStart, &NodeStart),
 ) {
-    if job.gravity.iter().all(|g| g.parts.is_empty()) {
+    if job.gravity.iter().all(|g| g.parts.is_empty()) && job.damping.is_empty() {
         return;
     }
     let place: HashMap<NodeId, usize> =
@@ -407,21 +422,22 @@ pub fn share_gravity(
         masses
     };
     let whole = masses_of(&|_| true, Some(&nodes.added_mass));
-    let shares: Vec<Option<Vec<(NodeId, f64)>>> = job
-        .gravity
-        .iter()
-        .map(|g| {
-            let own = (!g.parts.is_empty()).then(|| masses_of(&|p| g.parts.contains(&p), None))?;
-            let share = |(n, mass): (usize, &f64)| {
-                (*mass > 0.0).then(|| (mesh.nodes[n].id, mass / whole[n]))
-            };
-            let mut list: Vec<_> = own.iter().enumerate().filter_map(share).collect();
-            list.sort_unstable_by_key(|s| s.0);
-            Some(list)
-        })
-        .collect();
-    for (gravity, shares) in settings.loads.gravity.iter_mut().zip(shares) {
+    let shares = |parts: &[u32]| {
+        let own = masses_of(&|p| parts.contains(&p), None);
+        let share =
+            |(n, mass): (usize, &f64)| (*mass > 0.0).then(|| (mesh.nodes[n].id, mass / whole[n]));
+        let mut list: Vec<_> = own.iter().enumerate().filter_map(share).collect();
+        list.sort_unstable_by_key(|s| s.0);
+        list
+    };
+    let of_gravity: Vec<_> =
+        job.gravity.iter().map(|g| (!g.parts.is_empty()).then(|| shares(&g.parts))).collect();
+    let of_damping: Vec<_> = job.damping.iter().map(|d| shares(&d.parts)).collect();
+    for (gravity, shares) in settings.loads.gravity.iter_mut().zip(of_gravity) {
         gravity.shares = shares;
+    }
+    for (damping, shares) in settings.loads.part_damping.iter_mut().zip(of_damping) {
+        damping.shares = shares;
     }
 }
 

@@ -311,7 +311,10 @@ fn report_distant(
             name(job, entry),
             lost.len()
         );
-        findings.add(Problem::error(path, message, help));
+        findings.add(match job.tie[entry].may_be_empty {
+            true => Problem::warning(path, message, help),
+            false => Problem::error(path, message, help),
+        });
     } else if !lost.is_empty() {
         let message = format!(
             "{}: {} of {} nodes are not near enough to its surface and are not tied: {}",

@@ -111,7 +111,7 @@ fn fields_that_matter_are_refused() {
         let report = refused(with(lines));
         assert!(report.contains(field), "missing: {field}\n{report}");
     }
-    let law = deck("/MAT/LAW2/1\n=m\nr1e-6\nr200 r0.3 i2\nr0.3 r0.1 r1 r0 r0.5");
+    let law = deck("/MAT/LAW2/1\n=m\nr1e-6\nr200 r0.3 i2\nr0.3 r0.1 r1 r0 r0.5\nr0.1 r1");
     let report = refused(mesh() + &properties() + &law + &moves());
     for field in ["`iflag` = 2", "`sigmax` = 0.5"] {
         assert!(report.contains(field), "missing: {field}\n{report}");

@@ -1,6 +1,6 @@
 //! Keywords of Radioss and the job that they become.
 
-use super::{deck, mesh, model, moves, properties, said, with};
+use super::{deck, mesh, model, moves, properties, reading, said, steel, with};
 use crumple::input::job::Model;
 use crumple_proto::mesh::Shape;
 
@@ -140,6 +140,57 @@ fn plastic_laws_keep_their_numbers() {
     assert!(power.len() > 50 && power[0] == [0.0, 0.3]);
     let off = |p: &[f64; 2]| (p[1] - (0.3 + 0.5 * p[0].powf(0.4))).abs();
     assert!(power[1..].iter().all(|p| off(p) < 1e-15), "{power:?}");
+}
+
+/// A largest stress ends the hardening; with a rate the law of Cowper and Symonds alone has it.
+#[test]
+fn a_largest_stress_ends_the_hardening() {
+    let head = "=m\nr7.85e-6\nr200.0 r0.3";
+    for (law, more) in [("LAW2", ""), ("LAW44", "\nr40 r5")] {
+        let numbers = "r0.3 r0.5 r0.4 r0 r0.6";
+        let found = of_law(&format!("/MAT/{law}/1\n{head}\n{numbers}{more}"));
+        assert_eq!(found.job.material[0].law, "j2", "{law}");
+        let lines = rows(&found, "hardening");
+        let (last, before) = (lines[lines.len() - 1], &lines[1..lines.len() - 1]);
+        assert_eq!(last[1], 0.6);
+        assert!((last[0] / (0.3f64 / 0.5).powf(2.5) - 1.0).abs() < 1e-12, "{law}: {last:?}");
+        let off = |p: &[f64; 2]| (p[1] - (0.3 + 0.5 * p[0].powf(0.4))).abs();
+        assert!(before.len() > 40 && before.iter().all(|p| off(p) < 1e-15), "{lines:?}");
+    }
+    let flat = of_law(&format!("/MAT/LAW2/1\n{head}\nr0.3 r0.5 r0.4 r0 r0.2"));
+    assert_eq!(rows(&flat, "hardening"), [[0.0, 0.2]]);
+    for (text, words) in [
+        ("/MAT/LAW2/1\n{head}\nr0.3 r0.5 r0.4 r0 r0.6\nr0.01 r1e-3", "`sigmax` = 0.6"),
+        ("/MAT/LAW44/1\n{head}\nr0.3 r0.5 r0.4 r0 r0.6\nr40 r5 i2", "`icc` = 2"),
+    ] {
+        let text = mesh() + &properties() + &moves() + &deck(&text.replace("{head}", head));
+        let report = reading(&text, &[]).err().unwrap_or_else(|| panic!("no errors: {words}"));
+        assert!(report.contains(words), "{report}");
+    }
+}
+
+/// Solids with the property of thick shells: points along s, from the first four nodes to the
+/// others.
+#[test]
+fn thick_shells_have_their_points() {
+    let block = deck("/PROP/SOLID/2\n=block\ni24");
+    let of = |numbers: &str| {
+        let thick = deck(&format!("/PROP/TYPE20/2\n=thick\n{numbers}"));
+        mesh() + &properties().replace(&block, &thick) + &steel() + &moves()
+    };
+    assert!(properties().contains(&block));
+    for (numbers, points) in
+        [("i14", 2.0), ("i14 i0 _ _ i10 i252", 5.0), ("i15", 3.0), ("i15 i0 _ _ i0 i7", 7.0)]
+    {
+        let model = model(&of(numbers));
+        let part = &model.job.part[1];
+        assert_eq!(part.element.as_deref(), Some("thick_shell"), "{numbers}");
+        assert_eq!(part.parameters["points"].number(), Some(points), "{numbers}");
+    }
+    for (numbers, words) in [("i16", "`isolid` = 16"), ("i14 i0 _ _ i1", "`icstr` = 1")] {
+        let report = reading(&of(numbers), &[]).err().unwrap_or_else(|| panic!("{words}"));
+        assert!(report.contains(words), "{report}");
+    }
 }
 
 /// A table of the yield stress is scaled and goes on with its last slope, as in Radioss.

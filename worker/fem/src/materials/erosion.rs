@@ -2,14 +2,16 @@
 //! ```text
 //! p >= max_pressure,   p <= min_pressure,   sigma_1 >= principal_stress,
 //! sigma_vm >= von_mises,   eps_p >= plastic_strain,   ln V >= volume_strain,
-//! -eps_z >= thinning,   eps_1 >= major_strain,   -ln V >= compression
+//! -eps_z >= thinning,   eps_1 >= major_strain,   -ln V >= compression,
+//! sqrt(2/3 e:e) >= effective_strain
 //! ```
 //! with the pressure p (the mean stress with the other sign), the largest principal stress and the
 //! logarithm of the ratio of volumes; a negative limit of `volume_strain` is one of compression.
 //! Thinning, of shells, is the strain through the thickness; the major strain is the largest
-//! principal strain, in shells in the plane. Both are of sums of the increments, in axes that turn
-//! with the material. A point fails as soon as one of them holds; its stress is zero from
-//! then on. Each criterion has the key of its name with `erosion_` before it.
+//! principal strain, in shells in the plane, and e the deviator of the strain. All three are of
+//! sums of the increments, in axes that turn with the material. A point fails as soon as one of
+//! them holds; its stress is zero from then on. Each criterion has the key of its name with
+//! `erosion_` before it.
 //!
 //! With `major_strain_start` e_s the stress fades before it: a point carries the share
 //! ```text
@@ -78,11 +80,16 @@ pub const EROSION: &[ParameterRow] = &[
         "Largest principal strain from which on the stress falls, in proportion to the strain, \
          until it is zero at `erosion_major_strain`; it has to be below it.",
     ),
+    row(
+        "erosion_effective_strain",
+        "Effective strain from which on a point fails, elastic and plastic together.",
+    ),
 ];
 
 /// Places in [`EROSION`].
 const MAJOR_STRAIN: usize = 7;
 const START: usize = 9;
+const EFFECTIVE_STRAIN: usize = 10;
 
 /// Column that marks failure.
 const FAILED: &str = "failed";
@@ -162,11 +169,12 @@ impl Erosion {
         columns: &mut PointColumns,
     ) -> Result<Self, Vec<Problem>> {
         let volume = limits[5].or(limits[8]).map(|_| columns.add("erosion volume"));
-        let thickness = limits[6].map(|_| columns.add("erosion thickness strain"));
         let of_solid = columns.of_solid();
-        let major = limits[MAJOR_STRAIN].is_some();
-        let plane = (major && !of_solid).then(|| PLANE_STRAIN.map(|name| columns.add(name))[0]);
-        let strain = (major && of_solid).then(|| STRAIN.map(|name| columns.add(name))[0]);
+        let thins = limits[6].is_some() || limits[EFFECTIVE_STRAIN].is_some() && !of_solid;
+        let thickness = thins.then(|| columns.add("erosion thickness strain"));
+        let strains = limits[MAJOR_STRAIN].or(limits[EFFECTIVE_STRAIN]).is_some();
+        let plane = (strains && !of_solid).then(|| PLANE_STRAIN.map(|name| columns.add(name))[0]);
+        let strain = (strains && of_solid).then(|| STRAIN.map(|name| columns.add(name))[0]);
         let faded = limits[START].map(|_| columns.add("erosion faded"));
         let failed = columns.add(FAILED);
         let plastic_strain = columns.find("plastic_strain");
@@ -197,6 +205,23 @@ impl Erosion {
         let column = self.strain?;
         let [a, b, c] = Principal::new(&std::array::from_fn(|c| state[column + c])).values;
         Some(Real::max(Real::max(a, b), c))
+    }
+
+    /// Returns the effective strain; none if no column has the strain.
+    #[inline(always)]
+    fn effective_strain<R: Real>(&self, state: &[R]) -> Option<R> {
+        let strain = match (self.plane, self.thickness) {
+            (Some(plane), Some(through)) => {
+                let [x, y, xy] = std::array::from_fn(|c| state[plane + c]);
+                [x, y, state[through], R::splat(0.5) * xy, R::zero(), R::zero()]
+            }
+            _ => {
+                let column = self.strain?;
+                std::array::from_fn(|c| state[column + c])
+            }
+        };
+        let e = deviator(&strain);
+        Some((R::splat(2.0 / 3.0) * inner(&e, &e)).sqrt())
     }
 
     /// Returns the share of the stress of the law that acts.
@@ -262,6 +287,11 @@ impl Erosion {
         if let Some(strain) = self.major_strain(state) {
             at_least(strain, self.limits[MAJOR_STRAIN]);
         }
+        if self.limits[EFFECTIVE_STRAIN].is_some()
+            && let Some(strain) = self.effective_strain(state)
+        {
+            at_least(strain, self.limits[EFFECTIVE_STRAIN]);
+        }
         let failed = R::select(fails, one, state[self.failed]);
         state[self.failed] = failed;
         let alive = failed.lt(R::splat(0.5));
@@ -303,8 +333,9 @@ pub fn shell(material: &Material, law: Box<dyn PlaneStress>, limits: ErosionLimi
     if limits.iter().all(Option::is_none) {
         return Ok(law);
     }
-    if limits[6].is_some() && !law.thins() {
-        let (name, key) = (&material.name, EROSION[6].key);
+    let through = [6, EFFECTIVE_STRAIN].into_iter().find(|&at| limits[at].is_some());
+    if let Some(at) = through.filter(|_| !law.thins()) {
+        let (name, key) = (&material.name, EROSION[at].key);
         let message =
             format!("material '{name}': {key} is given, but the law has no change of thickness");
         return Err(vec![Problem::error(key, message, "remove it")]);
@@ -423,6 +454,10 @@ mod tests {
             ("erosion_compression", 0.01, all.map(|e: f64| -e), 0.01 / 3.0),
             ("erosion_major_strain", 0.004, shear, 0.004),
             ("erosion_major_strain", 0.004, [0.5, -1.0, 1.0, 0.0, 0.0, 0.0], 0.004),
+            // Without change of volume, 2/3 e:e is the square of the strain along the axis; in
+            // shear e it is 4/3 e^2.
+            ("erosion_effective_strain", 0.004, [1.0, -0.5, -0.5, 0.0, 0.0, 0.0], 0.004),
+            ("erosion_effective_strain", 0.004, shear, 0.004 * 0.75f64.sqrt()),
         ] {
             let got = fails_at(&glass(&[(key, limit)]), path);
             assert!((got - exact).abs() < 1.5e-6, "{key} {limit}: {got} for {exact}");
@@ -463,6 +498,9 @@ mod tests {
             ("erosion_major_strain", 1e-3, [1e-5, -0.25e-5, 0.0], 1e-3),
             ("erosion_major_strain", 1e-3, [-1e-5, 1e-5, 0.0], 1e-3),
             ("erosion_major_strain", 1e-3, [0.0, 0.0, 1e-5], 2e-3),
+            // Tension with nu = 1/4: the deviator is 5/6 of that without change of volume.
+            ("erosion_effective_strain", 1e-3, [1e-5, -0.25e-5, 0.0], 1.2e-3),
+            ("erosion_effective_strain", 1e-3, [0.0, 0.0, 1e-5], 1e-3 * 3.0f64.sqrt()),
         ] {
             let mut sheet = Sheet::new(&glass(&[(key, limit)]));
             let last = sheet.state.len() - 1;
@@ -490,6 +528,9 @@ mod tests {
         let text = problems(&glass(&[("erosion_volume_strain", 0.1)]));
         assert!(text.contains("shells have no change of volume"), "{text}");
         let moduli = [("youngs_modulus", E), ("poisson", 0.25), ("erosion_thinning", 0.1)];
+        let text = problems(&material("fabric", &moduli, &[]));
+        assert!(text.contains("no change of thickness"), "{text}");
+        let moduli = [("youngs_modulus", E), ("poisson", 0.2), ("erosion_effective_strain", 0.1)];
         let text = problems(&material("fabric", &moduli, &[]));
         assert!(text.contains("no change of thickness"), "{text}");
         let text = problems(&glass(&[("erosion_thinning", 0.1)]));

@@ -4,7 +4,7 @@ use super::DeckConverter;
 use super::names::names;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
-use crate::input::job::tree::Place;
+use crate::input::job::tree::{Entry, Node, NodeContent, Place};
 use crumple_proto::job::ContactInput;
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Contacts that include the thickness of beams (LS-DYNA support, contact types 13 and 26).
 const WITH_BEAMS: [&str; 2] = ["CONTACT_AUTOMATIC_SINGLE_SURFACE", "CONTACT_AUTOMATIC_GENERAL"];
 
-pub(super) const KEYWORDS: [(&str, bool); 11] = [
+pub(super) const KEYWORDS: [(&str, bool); 14] = [
     ("CONTACT_AUTOMATIC_SINGLE_SURFACE", true),
     ("CONTACT_AUTOMATIC_GENERAL", true),
     ("CONTACT_SINGLE_SURFACE", true),
@@ -24,7 +24,14 @@ pub(super) const KEYWORDS: [(&str, bool); 11] = [
     ("CONTACT_NODES_TO_SURFACE", false),
     ("CONTACT_ERODING_SURFACE_TO_SURFACE", false),
     ("CONTACT_ERODING_NODES_TO_SURFACE", false),
+    ("CONTACT_FORMING_SURFACE_TO_SURFACE", false),
+    ("CONTACT_FORMING_ONE_WAY_SURFACE_TO_SURFACE", false),
+    ("CONTACT_FORMING_NODES_TO_SURFACE", false),
 ];
+
+/// Contact thickness of tools of forming contacts, as a fraction of that of their section: they
+/// have none, and the engine takes no zero.
+const OF_TOOLS: f64 = 1e-3;
 
 /// Contacts whose option MORTAR selects the law of segments.
 const WITH_MORTAR: [&str; 2] =
@@ -163,10 +170,14 @@ impl DeckConverter {
         let keyword = record.row.keyword.name;
         // In ties a negative value is the distance of tied nodes.
         let is_distance = ["sast", "sbst"].iter().any(|side| record.real(side) < 0.0);
-        if !(is_distance && keyword.contains("TIEBREAK")) {
+        let is_forming = keyword.contains("FORMING");
+        if is_forming {
+            let tools = table.integers("against").unwrap_or_default();
+            self.tool_thickness(record, name, &tools);
+        } else if !(is_distance && keyword.contains("TIEBREAK")) {
             self.thickness(record, name, single, &mut table);
         }
-        let of_shells = !keyword.contains("AUTOMATIC") && !single;
+        let of_shells = !keyword.contains("AUTOMATIC") && !single && !is_forming;
         if of_shells && record.integer("shlthk") == 0 {
             self.map(name, "shlthk 0: shells without thickness", "shells with their thickness");
         }
@@ -178,7 +189,8 @@ impl DeckConverter {
             table.put("death", record.place("dt"), death);
         }
         let kind = record.row.keyword.name.replace("CONTACT_", "");
-        let said = ["AUTOMATIC_", "ERODING_"].iter().fold(kind, |n, w| n.replace(w, ""));
+        let said =
+            ["AUTOMATIC_", "ERODING_", "FORMING_"].iter().fold(kind, |n, w| n.replace(w, ""));
         let used = match single {
             true if table.has("parts") => "every part of its set with every other and itself",
             true => "every part with every other and itself",
@@ -471,6 +483,48 @@ impl DeckConverter {
             self.unsupported_value(record, "sfsat", "give the same factor for both sides");
         } else if fa != 1.0 {
             table.put("thickness_scale", record.place("sfsat"), fa);
+        }
+    }
+
+    /// Gives the tools of a forming contact, the shells of surfb, the thickness of sbst: their mesh
+    /// is their surface, so that those of their sections do not count (LS-DYNA support, metal
+    /// forming: thickness of the rigid bodies).
+    fn tool_thickness(&mut self, record: &CardRecord, name: &str, tools: &[i64]) {
+        for field in ["sfsat", "sfsbt"] {
+            if ![0.0, 1.0].contains(&record.real_or(field, 1.0)) {
+                self.unsupported_value(record, field, "use 1");
+            }
+        }
+        if record.real("sast") != 0.0 {
+            self.unsupported_value(record, "sast", "the sheet has the thickness of its section");
+        }
+        let given = record.real("sbst");
+        if given < 0.0 {
+            let why = "tools that are moved by this distance: move their mesh";
+            self.unsupported_value(record, "sbst", why);
+        }
+        for tool in tools {
+            let place = record.place("sbst");
+            let Some(keys) = self.tree.part(*tool) else { continue };
+            let float = |key: &str| match keys.get(key)?.node.kind {
+                NodeContent::Float(value) => Some(value),
+                _ => None,
+            };
+            let Some(own) = float("thickness") else { continue };
+            let thickness = if given > 0.0 { given } else { OF_TOOLS * own };
+            if float("contact_thickness").is_some_and(|other| other != thickness) {
+                let why = "one contact thickness for each tool: remove that of *PART_CONTACT, or \
+                           give the same sbst in all contacts";
+                self.unsupported_value(record, "sbst", why);
+                continue;
+            }
+            let node = Node { kind: NodeContent::Float(thickness), place };
+            keys.insert("contact_thickness".into(), Entry { key: place, node });
+            let (from, to) = match given > 0.0 {
+                true => (format!("sbst {given}"), format!("contact_thickness {given}")),
+                false => ("tools without thickness".into(), format!("{OF_TOOLS} of its own")),
+            };
+            self.map(format!("{name}, part {tool}"), from, to);
         }
     }
 

@@ -1,6 +1,7 @@
 //! Converts `*CONTROL_...`, `*DATABASE_...`, `*TITLE`: settings of the run.
 
 use super::DeckConverter;
+use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 
@@ -88,6 +89,11 @@ impl DeckConverter {
                 self.tree.set_in("output", "strains", record.place("strflg"), true);
             }
         }
+        for record in self.take_records("CONTROL_ADAPTIVE") {
+            let message = "*CONTROL_ADAPTIVE: the mesh is not refined";
+            let help = "give a mesh that is fine enough where the sheet bends";
+            self.trouble.warning(record.head, message, help);
+        }
         for record in self.take_one("DAMPING_GLOBAL") {
             // A curve replaces the value of the card.
             let given = match record.integer("lcid") {
@@ -103,6 +109,45 @@ impl DeckConverter {
             let damping = given * self.damping_factor(&record);
             let field = if record.integer("lcid") == 0 { "valdmp" } else { "lcid" };
             self.tree.set_in("time", "damping", record.place(field), damping);
+        }
+    }
+
+    /// Converts `*DAMPING_PART_...`.
+    pub(super) fn part_damping(&mut self) {
+        for (keyword, field) in [
+            ("DAMPING_PART_MASS", "pid"),
+            ("DAMPING_PART_MASS_SET", "psid"),
+            ("DAMPING_PART_STIFFNESS", "pid"),
+            ("DAMPING_PART_STIFFNESS_SET", "psid"),
+        ] {
+            for record in self.take_records(keyword) {
+                let (id, place) = (record.integer(field), record.place(field));
+                let parts = match field {
+                    "psid" => self.part_set(id, place),
+                    _ if self.has_part(id, place) => vec![id],
+                    _ => Vec::new(),
+                };
+                if keyword.contains("STIFFNESS") {
+                    if record.real("coef") < 0.0 {
+                        let why = "a damping in proportion to the stiffness, beta [time]; \
+                                   *DAMPING_PART_MASS damps low frequencies";
+                        self.unsupported_value(&record, "coef", why);
+                    }
+                    continue;
+                }
+                let at = record.place("lcid");
+                let factor =
+                    if record.integer("flag") == 1 { self.damping_factor(&record) } else { 1.0 };
+                let Some(curve) = self.time_curve(record.integer("lcid"), at) else { continue };
+                if parts.is_empty() {
+                    continue;
+                }
+                let table = JobTable::new(record.head)
+                    .with("coefficient", record.place("sf"), factor * record.real("sf"))
+                    .with("parts", place, parts)
+                    .with("curve", at, curve);
+                self.add("damping", table);
+            }
         }
     }
 

@@ -70,8 +70,8 @@ impl DeckConverter {
                 }
                 let v = self.velocity(&line, ["vx", "vy", "vz"], "icid");
                 let w = self.velocity(&line, ["vxr", "vyr", "vzr"], "icid");
-                let set = self.nodes_of_parts(&[part]);
-                let spin = (w != [0.0; 3]).then(|| (w, self.centre_of(&[part])));
+                let (parts, set) = self.body_of(part, place);
+                let spin = (w != [0.0; 3]).then(|| (w, self.centre_of(&parts)));
                 self.initial(line.place, Some(set), v, spin);
             }
         }
@@ -82,6 +82,24 @@ impl DeckConverter {
         for (velocity, _) in all.into_iter().zip(is_new).filter(|(_, is_new)| *is_new) {
             self.add("initial_velocity", velocity.entry);
         }
+    }
+
+    /// Returns the parts of the rigid body of a part, and the set of its nodes with its extra nodes.
+    fn body_of(&mut self, part: i64, place: Place) -> (Vec<i64>, String) {
+        let Some(name) = self.bodies.get(&part) else {
+            return (vec![part], self.nodes_of_parts(&[part]));
+        };
+        let parts: Vec<i64> =
+            self.bodies.iter().filter(|body| body.1 == name).map(|body| *body.0).collect();
+        let members = self.node_bodies.iter().filter(|node| node.1 == name);
+        let mut members: Vec<NodeId> = members.map(|node| *node.0).collect();
+        members.sort_unstable();
+        let of_parts = self.nodes_of_parts(&parts);
+        if self.rows.set(&of_parts).is_some_and(|nodes| nodes.len() == members.len()) {
+            return (parts, of_parts);
+        }
+        let set = self.rows.add_new_set(&format!("velocity-body-{part}"), members, place);
+        (parts, set)
     }
 
     /// Returns true if a later velocity gives all nodes of a body the same motion: an exported deck

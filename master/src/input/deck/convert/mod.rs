@@ -201,6 +201,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.initial_velocities();
     b.masses();
     b.body_loads();
+    b.part_damping();
     b.nodal_loads();
     b.pressures();
     b.non_reflecting();

@@ -471,7 +471,7 @@ impl DeckConverter {
         self.check_hourglass(record, sections);
         let given = own.or(sections.defaults.hourglass);
         let none = DeckHourglass { form: 0, coefficient: 0.0 };
-        let (DeckHourglass { form, coefficient }, place) =
+        let (DeckHourglass { form, mut coefficient }, place) =
             given.unwrap_or((none, record.place("hgid")));
         let (name, origin) = match (form, solids) {
             (0, _) if given.is_none() => ("viscous", " (none in the deck)"),
@@ -484,6 +484,8 @@ impl DeckConverter {
                 let message =
                     format!("part {}: ihq {form} is not supported", record.integer("pid"));
                 self.unsupported(place, message, format!("*HOURGLASS ihq {form}"));
+                // The coefficient belongs to that form.
+                coefficient = 0.0;
                 ("viscous", "")
             }
         };

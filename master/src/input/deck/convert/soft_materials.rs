@@ -22,12 +22,13 @@ pub const KEYWORDS: [&str; 11] = [
 ];
 
 /// Criteria of failure: field, key, and sign of the field.
-const CRITERIA: [(&str, &str, f64); 7] = [
+const CRITERIA: [(&str, &str, f64); 8] = [
     ("mxpres", "erosion_max_pressure", 1.0),
     ("mnpres", "erosion_min_pressure", 1.0),
     ("sigp1", "erosion_principal_stress", 1.0),
     ("sigvm", "erosion_von_mises", 1.0),
     ("mxeps", "erosion_major_strain", 1.0),
+    ("effeps", "erosion_effective_strain", 1.0),
     ("effeps", "erosion_plastic_strain", -1.0),
     ("voleps", "erosion_volume_strain", 1.0),
 ];
@@ -100,10 +101,6 @@ impl DeckConverter {
             }
             if record.real("ncs") > 1.0 {
                 self.unsupported_value(&record, "ncs", "failure by several criteria together");
-            }
-            if given("effeps") && record.real("effeps") > 0.0 {
-                let why = "a total strain; give the plastic strain with a negative sign";
-                self.unsupported_value(&record, "effeps", why);
             }
             for field in ["sigp1", "sigvm", "mxeps"].iter().filter(|field| record.real(field) < 0.0)
             {

@@ -60,6 +60,10 @@ impl DeckConverter {
             if let Some(TiebreakRequest { failure, rotations, offset }) = asked {
                 let card = TieCard { record: &record, label: &label, name, rotations, offset };
                 if let Some(mut table) = self.tie_table(card) {
+                    if limits == LimitsOfTie::Automatic {
+                        // Other programs let its nodes touch the surface later.
+                        table.put("may_be_empty", record.head, true);
+                    }
                     let used = match failure {
                         Some(failure) => {
                             table.put("failure", record.head, failure);

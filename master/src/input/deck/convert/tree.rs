@@ -162,6 +162,17 @@ impl Tree {
         }
     }
 
+    /// Returns the keys of an entry of `part` by the id of the part.
+    pub fn part(&mut self, id: i64) -> Option<&mut BTreeMap<String, Entry>> {
+        let parts = &mut self.root.get_mut("part")?.node.kind;
+        let NodeContent::Array(items) = parts else { return None };
+        items.iter_mut().find_map(|item| {
+            let NodeContent::Table(keys) = &mut item.kind else { return None };
+            let is_it = matches!(keys.get("id")?.node.kind, NodeContent::Integer(i) if i == id);
+            is_it.then_some(keys)
+        })
+    }
+
     /// Sets a key of the top level.
     pub fn set(&mut self, key: &str, place: Place, value: impl Into<NodeContent>) {
         let node = Node { kind: located(value.into(), place), place };

@@ -1,4 +1,4 @@
-//! Writes gravity and forces on nodes as cards.
+//! Writes gravity, damping of parts and forces on nodes as cards.
 
 use super::{CardValue, DeckWriter, Id, Number, TimeCurves, list};
 use crate::input::job::Model;
@@ -15,6 +15,17 @@ pub fn gravity(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>
             let curve = curves.id(deck, gravity.curve.as_deref());
             deck.keyword(keyword);
             deck.card(&[Id(curve), Number(-gravity.acceleration[axis])]);
+        }
+    }
+}
+
+/// Writes the damping of parts.
+pub fn damping(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>) {
+    for damping in &model.job.damping {
+        let curve = curves.id(deck, damping.curve.as_deref());
+        for part in &damping.parts {
+            deck.keyword("DAMPING_PART_MASS");
+            deck.card(&[Id((*part).into()), Id(curve), Number(damping.coefficient)]);
         }
     }
 }

@@ -145,7 +145,11 @@ fn to_surface(
         deck.card(&limits);
     }
     let mut own = Table::from_iter([named(name)]);
-    let flags = [("rotations", tie.rotations, read.rotations), ("offset", tie.offset, read.offset)];
+    let flags = [
+        ("rotations", tie.rotations, read.rotations),
+        ("offset", tie.offset, read.offset),
+        ("may_be_empty", tie.may_be_empty, read.may_be_empty),
+    ];
     for (key, given, _) in flags.into_iter().filter(|(_, given, read)| given != read) {
         own.insert(key.into(), given.into());
     }
@@ -183,14 +187,14 @@ fn kind_of(tie: &TieInput, model: &Model, parts: &[u32]) -> TieKind {
             keyword: format!("CONTACT_TIED_{keyword}{option}"),
             friction: None,
             limits: None,
-            read: tie.clone(),
+            read: TieInput { may_be_empty: false, ..tie.clone() },
         };
     };
     let strengths = [Number(failure.normal), Number(failure.shear)];
     let of_card = |opening: f64, exponents: [f64; 2]| {
         Some(TieFailureInput { opening, exponents, ..failure.clone() })
     };
-    let plain = TieInput { rotations: false, offset: false, ..tie.clone() };
+    let plain = TieInput { rotations: false, offset: false, may_be_empty: false, ..tie.clone() };
     if failure.limits == TieLimits::Force {
         return TieKind {
             keyword: "CONTACT_TIEBREAK_NODES_ONLY".into(),
@@ -218,6 +222,7 @@ fn kind_of(tie: &TieInput, model: &Model, parts: &[u32]) -> TieKind {
                 read: TieInput {
                     rotations: failure.opening == 0.0,
                     offset: true,
+                    may_be_empty: true,
                     // These fields would be the thicknesses of the contact, too.
                     thicknesses: [0.0; 2],
                     failure: of_card(failure.opening, [2.0; 2]),

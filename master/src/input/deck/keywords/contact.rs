@@ -93,6 +93,10 @@ const SINGLE: &str = "`[contact]`, from the second card on `[[contact.interface]
 const PAIR: &str = "the same for the parts of surfa `against` those of surfb, after all contacts \
     of single surfaces; the thickness is the mean of both sides";
 
+const FORMING: &str = "as CONTACT_SURFACE_TO_SURFACE. The tools, surfb, have no thickness: the \
+    `contact_thickness` of their shells is sbst, or 0.001 of their thickness. On which side of a \
+    tool the sheet is follows from the start";
+
 const WITH_MORTAR: &[&str] = &["ID", "TITLE", "MPP", "MORTAR"];
 
 const TRANSDUCER: &str = "`[[output.transducer]]`: contact force on surfa from surfb, or from \
@@ -208,6 +212,9 @@ pub const KEYWORDS: &[Keyword] = &[
     contact("CONTACT_ERODING_SINGLE_SURFACE", SINGLE),
     contact("CONTACT_ERODING_SURFACE_TO_SURFACE", PAIR),
     contact("CONTACT_ERODING_NODES_TO_SURFACE", PAIR),
+    contact("CONTACT_FORMING_SURFACE_TO_SURFACE", FORMING),
+    contact("CONTACT_FORMING_ONE_WAY_SURFACE_TO_SURFACE", FORMING),
+    contact("CONTACT_FORMING_NODES_TO_SURFACE", FORMING),
     contact("CONTACT_FORCE_TRANSDUCER_PENALTY", TRANSDUCER).aliases(&["CONTACT_FORCE_TRANSDUCER"]),
     breaking("CONTACT_TIEBREAK_NODES_TO_SURFACE", BY_FORCE, BREAKING),
     breaking("CONTACT_TIEBREAK_NODES_ONLY", BY_FORCE, BREAKING_ONLY),

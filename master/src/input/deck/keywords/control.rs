@@ -1,13 +1,46 @@
 //! Settings of a run, and intervals of output.
 
+use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
-    Effect::*, Keyword, Times::*, UnusedFields, ignored, no_effect, refused,
+    Effect::*,
+    Keyword,
+    Times::{self, *},
+    UnusedFields, ignored, no_effect, refused,
 };
 
-const ANY: &[(&str, crate::input::deck::table::Times)] = &[("card:l", Rest)];
+type CardTable = &'static [(&'static str, Times)];
+
+const ANY: CardTable = &[("card:l", Rest)];
 
 const fn harmless(name: &'static str, note: &'static str) -> Keyword {
     Keyword::new(name, ANY, note).effect(Harmless)
+}
+
+/// Cards of the damping of a part, or of a set of parts, by their field.
+macro_rules! part_damping {
+    ($of:literal) => {
+        &[
+            (concat!($of, ":i! lcid:i! sf:r=1 flag:i"), Once),
+            ("stx:r sty:r stz:r srx:r sry:r srz:r", Count(directions)),
+        ]
+    };
+}
+
+const PART_DAMPING: CardTable = part_damping!("pid");
+const PART_DAMPING_SET: CardTable = part_damping!("psid");
+const PART_DAMPING_NOTE: &str = "`[[damping]]` of one of `parts` with sf as its coefficient and \
+    the curve of lcid; with flag 1 stx, sty and stz have to be equal";
+
+const STIFFNESS_DAMPING_NOTE: &str = "no damping of the highest frequencies: a positive coef, a \
+    fraction of critical, is ignored with a warning; a negative one is not supported";
+const STIFFNESS_DAMPING: &[UnusedFields] = &[ignored(
+    "coef",
+    "oscillations of the highest frequencies, those of single elements, are not damped by it: the \
+     bulk viscosity of solids and viscous hourglass control act",
+)];
+
+fn directions(record: &CardRecord) -> usize {
+    usize::from(record.integer("flag") == 1)
 }
 
 const SHELLS_UNUSED: &[UnusedFields] = &[
@@ -134,6 +167,19 @@ pub const KEYWORDS: &[Keyword] = &[
         "`time.damping`, for all directions: stx, sty and stz have to be equal, or all blank. The \
          curve of lcid has to be constant for the whole run",
     ),
+    Keyword::new("DAMPING_PART_MASS", PART_DAMPING, PART_DAMPING_NOTE).repeats(),
+    Keyword::new("DAMPING_PART_MASS_SET", PART_DAMPING_SET, "the same for a set of parts")
+        .repeats(),
+    Keyword::new("DAMPING_PART_STIFFNESS", &[("pid:i! coef:r!", Once)], STIFFNESS_DAMPING_NOTE)
+        .unused(STIFFNESS_DAMPING)
+        .repeats(),
+    Keyword::new(
+        "DAMPING_PART_STIFFNESS_SET",
+        &[("psid:i! coef:r!", Once)],
+        "the same for a set of parts",
+    )
+    .unused(STIFFNESS_DAMPING)
+    .repeats(),
     Keyword::new(
         "DATABASE_GLSTAT",
         &[("dt:r binary:i lcur:i ioopt:i=1", Maybe)],
@@ -176,6 +222,12 @@ pub const KEYWORDS: &[Keyword] = &[
         "`units`, also those of blanks: m, s, kg. Numbers are not converted",
     )
     .unused(&[no_effect("temp card", "values have the units of the deck")]),
+    Keyword::new(
+        "CONTROL_ADAPTIVE",
+        &[("card:l", Rest)],
+        "ignored with a warning: the mesh is not refined",
+    ),
+    harmless("CONTROL_ADAPSTEP", "not used: it is for CONTROL_ADAPTIVE"),
     Keyword::new(
         "CONTROL_DYNAMIC_RELAXATION",
         &[("nrcyck:i=250 drtol:r drfctr:r drterm:r tssfdr:r irelal:i edttl:r idrflg:i", Maybe)],

@@ -41,8 +41,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("hisvn:r soft:r lp2bi:r", AtMost(damage)),
             ("lcfld:i nsff:i epsthin:r engcrt:r radcrt:r", Maybe),
         ],
-        "keys `erosion_...` of the material: mxpres, mnpres, sigp1, sigvm, mxeps, voleps, and \
-         effeps below 0 (plastic strain); idam 1 with dmgtyp 1 is damage as in \
+        "keys `erosion_...` of the material: mxpres, mnpres, sigp1, sigvm, mxeps, voleps, \
+         effeps (below 0 the plastic strain); idam 1 with dmgtyp 1 is damage as in \
          MAT_ADD_DAMAGE_GISSMO; the other criteria are not supported",
     )
     .unused(&[

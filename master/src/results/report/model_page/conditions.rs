@@ -315,6 +315,11 @@ impl PlacedModel<'_> {
             let count = g.shares.as_ref().map_or(everything.len(), Vec::len);
             Condition::new("gravity", detail, count, marks)
         });
+        let damping = loads.part_damping.iter().map(|d| {
+            let nodes: Vec<NodeId> = d.shares.iter().map(|s| s.0).collect();
+            let detail = format!("{} of parts{}", figure(d.coefficient), self.curve(d.curve));
+            Condition::new("damping", detail, nodes.len(), Marks::Nodes(self.places(&nodes)))
+        });
         let forces = loads.forces.iter().flat_map(|force| {
             let nodes = self.places(&force.nodes);
             let both = [("force", force.force), ("moment", force.moment)];
@@ -356,7 +361,7 @@ impl PlacedModel<'_> {
             let arrows = bag.faces.iter().filter_map(arrow).collect();
             Condition::new("airbag", &bag.name, bag.faces.len(), Marks::Arrows(arrows))
         });
-        gravity.chain(forces).chain(pressures).chain(airbags).collect()
+        gravity.chain(damping).chain(forces).chain(pressures).chain(airbags).collect()
     }
 
     /// Returns the middle of a face of an element, and its unit normal.

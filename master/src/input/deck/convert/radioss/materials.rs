@@ -1,6 +1,7 @@
 //! Converts `/MAT/...`, `/FAIL/JOHNSON` and `/FAIL/TENSSTRAIN`: laws and their parameters.
 
 use super::StarterConverter;
+use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::deck::convert::materials::{DeckMaterial, hardening_curve};
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::CardRecord;
@@ -139,7 +140,6 @@ impl StarterConverter {
         failure: Option<&CardRecord>,
         table: &mut JobTable,
     ) {
-        self.limited(record);
         let [a, b, n] = self.power_law(record);
         let [c, heat] = ["c", "rhocp"].map(|field| record.real(field));
         let [melt, fails] = ["tmelt", "epsmax"].map(|field| record.real(field));
@@ -153,7 +153,16 @@ impl StarterConverter {
         let put = |table: &mut JobTable, key: &str, field: &str, value: f64| {
             table.put(key, record.place(field), value);
         };
-        if n == STRAIGHT && c == 0.0 && !hot && failure.is_none() {
+        let plain = c == 0.0 && !hot && failure.is_none();
+        if let Some(limit) = largest_stress(record) {
+            if plain {
+                return self.hardening_lines(record, [a, b, n], Some(limit), table);
+            }
+            let why = "a largest stress with a rate, heat or /FAIL/JOHNSON; give the yield stress \
+                       as a function by /MAT/LAW36";
+            self.deck.unsupported_value(record, "sigmax", why);
+        }
+        if n == STRAIGHT && plain {
             table.put("law", record.head, "j2");
             put(table, "yield_stress", "a", a);
             if b != 0.0 {
@@ -254,15 +263,6 @@ impl StarterConverter {
         [a, b, n]
     }
 
-    /// Reports a largest stress.
-    fn limited(&mut self, record: &CardRecord) {
-        let limit = record.real("sigmax");
-        if limit > 0.0 && limit < NONE {
-            let why = "a largest stress; give the yield stress as a function by /MAT/LAW36";
-            self.deck.unsupported_value(record, "sigmax", why);
-        }
-    }
-
     /// Converts a yield stress by a function of plastic strain.
     fn yield_table(&mut self, record: &CardRecord, table: &mut JobTable) {
         table.put("law", record.head, "j2");
@@ -293,34 +293,68 @@ impl StarterConverter {
 
     /// Converts a yield stress with the factor of Cowper and Symonds.
     fn cowper_symonds(&mut self, record: &CardRecord, table: &mut JobTable) {
-        self.limited(record);
-        table.put("law", record.head, "j2");
         let [a, b, c] = ["a", "b", "c"].map(|field| record.real(field));
         let [n, p] = ["n", "p"].map(|field| record.real_or(field, 1.0));
-        if b == 0.0 || n == STRAIGHT {
+        let (limit, icc) = (largest_stress(record), record.integer("icc"));
+        if limit.is_some() && c > 0.0 && icc == 2 {
+            let why = "a largest stress without the factor of the rate: use icc 1";
+            self.deck.unsupported_value(record, "icc", why);
+        }
+        self.hardening_lines(record, [a, b, n], limit, table);
+        if c > 0.0 {
+            table.put("cowper_symonds", record.place("c"), [c, p]);
+        }
+    }
+
+    /// Converts a yield stress `a + b eps^n`, at most `limit`, to the law `j2` with straight lines;
+    /// with its failure.
+    fn hardening_lines(
+        &mut self,
+        record: &CardRecord,
+        [a, b, n]: [f64; 3],
+        limit: Option<f64>,
+        table: &mut JobTable,
+    ) {
+        table.put("law", record.head, "j2");
+        fail(record, table);
+        if limit.is_none() && (b == 0.0 || n == STRAIGHT) {
             table.put("yield_stress", record.place("a"), a);
             if b != 0.0 {
                 table.put("hardening_modulus", record.place("b"), b);
             }
-        } else {
-            let (least, most, count) = LINES;
-            let step = (most / least).powf(1.0 / f64::from(count));
-            let strain = |k: i32| least * step.powi(k);
-            let point = |eps: f64| vec![eps, a + b * eps.powf(n)];
-            let mut rows = vec![vec![0.0, a]];
-            rows.extend((0..=count).map(|k| point(strain(k))));
-            table.put("hardening", record.place("n"), rows);
-            self.deck.map(
-                format!("material {}", record.integer("id")),
-                format!("a + b eps^n with n {n}"),
-                format!("{count} straight lines from a strain of {least} to {most}"),
-            );
+            return;
         }
-        if c > 0.0 {
-            table.put("cowper_symonds", record.place("c"), [c, p]);
+        let (least, most, count) = LINES;
+        let step = (most / least).powf(1.0 / f64::from(count));
+        let at = |eps: f64| [eps, a + b * eps.powf(n)];
+        let mut rows = vec![[0.0, a]];
+        rows.extend((0..=count).map(|k| at(least * step.powi(k))));
+        let of = format!("material {}", record.integer("id"));
+        if let Some(limit) = limit {
+            rows.retain(|row| row[1] < limit);
+            let end = if rows.is_empty() { 0.0 } else { ((limit - a) / b).powf(1.0 / n) };
+            let reaches = b > 0.0 && end < BEYOND_ALL_STRAINS;
+            if reaches || rows.is_empty() {
+                rows.push([end, limit]);
+            }
+            self.deck.map(&of, format!("sigmax {limit}"), "no hardening above it");
         }
-        fail(record, table);
+        table.put(
+            "hardening",
+            record.place("n"),
+            rows.iter().map(|p| p.to_vec()).collect::<Vec<_>>(),
+        );
+        self.deck.map(
+            of,
+            format!("a + b eps^n with n {n}"),
+            format!("{count} straight lines from a strain of {least} to {most}"),
+        );
     }
+}
+
+/// Returns the largest stress of a material, if it has one [force/length^2].
+fn largest_stress(record: &CardRecord) -> Option<f64> {
+    Some(record.real("sigmax")).filter(|&limit| limit > 0.0 && limit < NONE)
 }
 
 /// Converts the plastic strain at which an element fails.

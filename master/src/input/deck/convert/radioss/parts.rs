@@ -74,7 +74,7 @@ impl StarterConverter {
         let has_shells = shapes.quads || shapes.triangles;
         let kind = of.kind;
         if (kind == SectionKind::Shell && shapes.have_solids())
-            || (kind == SectionKind::Solid && has_shells)
+            || (matches!(kind, SectionKind::Solid | SectionKind::ThickShell) && has_shells)
         {
             let message = format!(
                 "part {id} has {} and {} {}",
@@ -103,7 +103,8 @@ impl StarterConverter {
                 self.solid_property(id, (of, properties), shapes, table);
             }
             SectionKind::Beam => self.beam_property(id, of, table),
-            SectionKind::ThickShell | SectionKind::Discrete | SectionKind::Particle => {}
+            SectionKind::ThickShell => self.thick_shell_property(id, of, table),
+            SectionKind::Discrete | SectionKind::Particle => {}
         }
         if contact > 0.0 && kind != SectionKind::Shell {
             let asked = format!("thickness {contact} in contact");

@@ -5,6 +5,7 @@ use crate::input::deck::convert::parts::Shapes;
 use crate::input::deck::convert::sections::SectionKind;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::CardRecord;
+use crumple_worker::fem::elements::THICK_SHELL;
 use std::collections::BTreeMap;
 
 /// Shear area of a beam over its area.
@@ -68,6 +69,7 @@ impl StarterConverter {
         for (name, kind) in [
             ("/PROP/TYPE1", SectionKind::Shell),
             ("/PROP/TYPE14", SectionKind::Solid),
+            ("/PROP/TYPE20", SectionKind::ThickShell),
             ("/PROP/TYPE2", SectionKind::Beam),
             ("/PROP/TYPE3", SectionKind::Beam),
             ("/PROP/TYPE4", SectionKind::Discrete),
@@ -181,6 +183,39 @@ impl StarterConverter {
             format!("hexahedron; hourglass {form}")
         };
         self.deck.map(format!("part {part}"), format!("solids, Isolid {isolid}"), used);
+    }
+
+    /// Converts the property of thick shells of a part. Without points through the thickness there
+    /// are as many as the format has then: 2, or 3 with Isolid 15.
+    pub(super) fn thick_shell_property(
+        &mut self,
+        part: i64,
+        of: &StarterProperty,
+        table: &mut JobTable,
+    ) {
+        let card = &of.record;
+        let (isolid, given) = (card.integer("isolid"), card.integer("inpts"));
+        let (points, differs) = match isolid {
+            // The digits of inpts are the points along r, s and t; s is the thickness.
+            14 if given == 0 => (2, "; it has one point in its plane, not four"),
+            14 => (given / 10 % 10, "; it has one point in its plane, not several"),
+            15 if given == 0 => (3, ""),
+            15 => (given, ""),
+            _ => {
+                let why = "use 14 or 15, thick shells with eight nodes";
+                return self.deck.unsupported_value(card, "isolid", why);
+            }
+        };
+        // 010 is read as 10.
+        if isolid == 14 && ![0, 10].contains(&card.integer("icstr")) {
+            let why = "a thickness in another direction than from nodes 1-4 to nodes 5-8 (010): \
+                       change the order of the nodes";
+            self.deck.unsupported_value(card, "icstr", why);
+        }
+        table.put("element", card.place("isolid"), THICK_SHELL);
+        table.put("points", card.place("inpts"), points);
+        let to = format!("{THICK_SHELL} with {points} points{differs}");
+        self.deck.map(format!("part {part}"), format!("thick shells, Isolid {isolid}"), to);
     }
 
     /// Converts the property of beams or trusses of a part.

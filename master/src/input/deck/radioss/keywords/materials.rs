@@ -48,13 +48,14 @@ pub const KEYWORDS: &[Keyword] = &[
         "law `johnson_cook`, or `j2` if n is 1 and there is neither rate nor temperature. With \
          iflag 1, a, b and n are the yield stress, the ultimate engineering stress and its \
          engineering strain, from which a + b eps^n with a maximum of the engineering stress there \
-         follows. epsmax is the strain of failure. Heat comes from rhocp, with all plastic work",
+         follows. With sigmax, without rate and heat, it is `j2` with straight lines up to this \
+         stress. epsmax is the strain of failure. Heat comes from rhocp, with all plastic work",
     )
     .aliases(&["/MAT/PLAS_JOHNS"])
     .unused(&[
         REFERENCE,
         ignored("chard", "hardening is isotropic, which differs when the load reverses"),
-        no_effect("icc", "it is about sigmax"),
+        no_effect("icc", "sigmax is read without a rate only"),
         FILTER,
     ]),
     Keyword::new(
@@ -94,15 +95,14 @@ pub const KEYWORDS: &[Keyword] = &[
             ("epsmax:r20=1e30 epst1:r20=1e30 epst2:r20=1e30", Maybe),
             ("fctp:i blank:a10 fscalep:r20=1", Maybe),
         ],
-        "law `j2` with c and p as `cowper_symonds`. With n other than 1, a + b eps^n becomes \
-         straight lines. epsmax is `failure_strain`",
+        "law `j2` with c and p as `cowper_symonds`. With n other than 1 or with sigmax, \
+         a + b eps^n becomes straight lines. epsmax is `failure_strain`",
     )
     .aliases(&["/MAT/COWPER"])
     .unused(&[
         REFERENCE,
         refused("iflag", "yield stress and ultimate strength; give a, b and n (iflag 0)"),
         ignored("chard", "hardening is isotropic, which differs when the load reverses"),
-        no_effect("icc", "it is about sigmax"),
         FILTER,
         ignored("vp", "the factor has the rate of the total strain"),
         ignored("epst1 epst2", "stress does not fall with the largest tensile strain"),

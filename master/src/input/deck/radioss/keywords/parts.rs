@@ -68,6 +68,27 @@ pub const KEYWORDS: &[Keyword] = &[
         ignored("dtmin", "no solid is deleted by its step"),
         ignored("more", "no solid is deleted by its shape, and strains are no output here"),
     ]),
+    Keyword::new(
+        "/PROP/TYPE20",
+        &[
+            TITLE,
+            ("isolid:i ismstr:i blank:a20 icstr:i inpts:i iint:i blank:a10 dn:r20", Once),
+            ("qa:r20 qb:r20 h:r20", Maybe),
+            ("dtmin:r20 more:a80", Maybe),
+        ],
+        "thick shells: `thick_shell` with one point in the plane and inpts of them through the \
+         thickness, for Isolid 14 and 15. The thickness is from the first four nodes to the others",
+    )
+    .aliases(&["/PROP/TSHELL"])
+    .unused(&[
+        no_effect("ismstr", "strains are finite"),
+        no_effect("iint", "it is for elements with 16 nodes"),
+        ignored("dn", "it is the damping of other formulations"),
+        ignored("qa qb", "thick shells have no bulk viscosity"),
+        no_effect("h", "the hourglass control of thick shells has no coefficient"),
+        ignored("dtmin", "no solid is deleted by its step"),
+        ignored("more", "no solid is deleted by its shape, and strains are no output here"),
+    ]),
     Keyword::new("/PROP/TYPE2", &[TITLE, ("area:r20! gap:r20", Once)], "trusses, `part.truss`")
         .aliases(&["/PROP/TRUSS"])
         .unused(&[refused("gap", "a truss has no gap")]),
