@@ -49,14 +49,16 @@ pub struct Gravity {
 }
 
 /// Damping of parts in proportion to their masses.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartDamping {
     /// Coefficient [1/time].
     pub coefficient: f64,
     /// Index of its curve; constant if `None`.
     pub curve: Option<usize>,
-    /// Nodes on which it acts, ascending, with the fraction of their mass.
+    /// Nodes outside of rigid bodies on which it acts, ascending, with the fraction of their mass.
     pub shares: Vec<(NodeId, f64)>,
+    /// The same for members of rigid bodies.
+    pub members: Vec<(NodeId, f64)>,
 }
 
 /// Force and moment on each of a set of nodes.

@@ -63,7 +63,7 @@ stateless!(Loads {
     cycles
 });
 stateless!(PartGravity { job, shares, falling });
-stateless!(LocalDamping { job, shares, loads });
+stateless!(LocalDamping { job, shares, impulses, members, loads });
 stateless!(LocalForce { job, nodes, factor });
 stateless!(LoadedFace { source, slots, nodes, portion, rigid, cycles, shares, blast, force });
 
@@ -93,9 +93,13 @@ struct PartGravity {
 #[derive(Debug)]
 struct LocalDamping {
     job: PartDamping,
-    /// Local nodes with the fraction of their mass.
+    /// Local nodes outside of rigid bodies, with the fraction of their mass.
     shares: Vec<(u32, f64)>,
-    /// Force and moment on each of these nodes in this step [force, force length].
+    /// Impulse and its moment on each of them in this step [force time, force length time].
+    impulses: Vec<[Row; 2]>,
+    /// Local members of rigid bodies, with the fraction of their mass.
+    members: Vec<(u32, f64)>,
+    /// Force and moment on each of them in this step [force, force length].
     loads: Vec<[Row; 2]>,
 }
 
@@ -182,7 +186,13 @@ impl Loads {
             damped_parts: job
                 .part_damping
                 .iter()
-                .map(|d| LocalDamping { job: d.clone(), shares: Vec::new(), loads: Vec::new() })
+                .map(|d| LocalDamping {
+                    job: d.clone(),
+                    shares: Vec::new(),
+                    impulses: Vec::new(),
+                    members: Vec::new(),
+                    loads: Vec::new(),
+                })
                 .collect(),
             forces: job
                 .forces
@@ -218,7 +228,9 @@ impl Loads {
         }
         for d in &mut self.damped_parts {
             d.shares = d.job.shares.iter().filter_map(local).collect();
-            d.loads = vec![[[0.0; 4]; 2]; d.shares.len()];
+            d.members = d.job.members.iter().filter_map(local).collect();
+            d.impulses = vec![[[0.0; 4]; 2]; d.shares.len()];
+            d.loads = vec![[[0.0; 4]; 2]; d.members.len()];
         }
         self.cycles.clear();
         let act = [self.gravity.len(), self.of_parts.len(), self.damped_parts.len()];
@@ -339,9 +351,9 @@ impl Loads {
         times(&self.cycles, i, set)
     }
 
-    /// Adds body forces, the damping of parts and nodal forces to the forces of local nodes, in the
-    /// order of the job. The damping of parts takes the velocity before the step: it lags by half a
-    /// step, and is stable for `a dt < 2`.
+    /// Adds body forces, the damping of members of rigid bodies and nodal forces to the forces of
+    /// local nodes, in the order of the job. This damping takes the velocity before the step: a body
+    /// has no frequency of its own, and is stable for a damping a up to `a dt = 2`.
     pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64, set: ElementSet) {
         if !self.gravity.is_empty() {
             self.falling = [0.0; 4];
@@ -366,7 +378,7 @@ impl Loads {
         }
         for d in &mut self.damped_parts {
             let damping = -d.job.coefficient * factor(&self.curves, d.job.curve, time);
-            for (&(n, share), load) in d.shares.iter().zip(&mut d.loads) {
+            for (&(n, share), load) in d.members.iter().zip(&mut d.loads) {
                 let n = n as usize;
                 let by = damping * share * times(cycles, n, set);
                 *load = [[0.0; 4]; 2];
@@ -424,6 +436,39 @@ impl Loads {
         }
     }
 
+    /// Damps the velocities without contact of the nodes of damped parts, as
+    /// [`Self::apply_damping`]. Contact does not know this damping: at a body at rest its forces
+    /// are smaller by the fraction b.
+    pub fn damp_parts(&mut self, nodes: &mut Nodes, time: f64, mid: f64) {
+        for d in &mut self.damped_parts {
+            let half = 0.5 * mid * d.job.coefficient * factor(&self.curves, d.job.curve, time);
+            for (&(n, share), impulse) in d.shares.iter().zip(&mut d.impulses) {
+                let (i, b) = (n as usize, half * share);
+                *impulse = [[0.0; 4]; 2];
+                let slow = |next: &mut f64, before: f64, mass: f64| {
+                    let change = -b * (*next + before) / (1.0 + b);
+                    *next += change;
+                    mass * change
+                };
+                for c in (0..3).filter(|&c| nodes.inv_mass[i][c] > 0.0) {
+                    impulse[0][c] = slow(&mut nodes.v_next[i][c], nodes.v[i][c], nodes.mass[i]);
+                }
+                if nodes.rotations {
+                    for c in (0..3).filter(|&c| nodes.inv_inertia[i][c] > 0.0) {
+                        impulse[1][c] =
+                            slow(&mut nodes.w_next[i][c], nodes.w[i][c], nodes.inertia[i]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Removes all damping.
+    pub fn stop_damping(&mut self) {
+        self.damping = 0.0;
+        self.damped_parts.clear();
+    }
+
     /// Lets the dampers of nodes act on the velocities without contact, in the middle of the step
     /// as [`Self::apply_damping`]: `(M + mid/2 C) (v+ - v*) = -mid/2 C (v- + v*)` with the velocity
     /// v* without them. The step stays stable at the stable step of the elements.
@@ -474,10 +519,16 @@ impl Loads {
             }
         }
         for d in &self.damped_parts {
-            let owned = d.shares.iter().map(|s| s.0 as usize).zip(&d.loads);
-            for (i, [f, m]) in owned.filter(|&(i, _)| nodes.is_owned(i)) {
-                let turning = if nodes.rotations { turned(m, i) } else { Work::default() };
-                sum.add((moved(f, i) + turning) * mid);
+            let of = |i: usize, [f, m]: &[Row; 2]| {
+                moved(f, i) + if nodes.rotations { turned(m, i) } else { Work::default() }
+            };
+            let members = d.members.iter().map(|s| s.0 as usize).zip(&d.loads);
+            for (i, load) in members.filter(|&(i, _)| nodes.is_owned(i)) {
+                sum.add(of(i, load) * mid);
+            }
+            let others = d.shares.iter().map(|s| s.0 as usize).zip(&d.impulses);
+            for (i, impulse) in others.filter(|&(i, _)| nodes.is_owned(i)) {
+                sum.add(of(i, impulse));
             }
         }
         for load in &self.forces {

@@ -259,6 +259,7 @@ fn accelerate(
     constraints.distribute_forces(comm, nodes)?;
     nodes.accelerate(cycle.steps.dt_velocity);
     loads.apply_damping(nodes, cycle.steps.dt_velocity);
+    loads.damp_parts(nodes, clock.time, cycle.steps.dt_velocity);
     loads.absorb_waves(nodes, cycle.steps.dt_velocity);
     Ok(())
 }

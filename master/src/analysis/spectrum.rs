@@ -157,7 +157,7 @@ impl Probe {
         let engine = &mut alone.engine;
         engine.constraints.walls = Walls::default();
         engine.blocks.compute_all();
-        engine.loads.damping = 0.0; // acts in the middle of the step and limits nothing
+        engine.loads.stop_damping(); // acts in the middle of the step and limits nothing
         let held = engine.nodes.local_count;
         let place = engine.nodes.x[..held].to_vec();
         let mut clock = engine.clock.clone();

@@ -97,7 +97,7 @@ fn what_is_not_supported_is_refused() {
         "*LOAD_BLAST_ENHANCED\n3,1.0,{AT},0.5,6,1\n{ON_SET}\
          *LOAD_BLAST_ENHANCED\n4,1.0,{AT},0.5,6,1\n"
     )));
-    let unused = |w: &&Problem| w.message.contains("an explosion loads no segment");
+    let unused = |w: &&Problem| w.message.contains("explosion 4 loads no segment");
     assert_eq!(model.warnings.iter().filter(unused).count(), 1, "{:?}", model.warnings);
 }
 

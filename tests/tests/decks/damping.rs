@@ -1,7 +1,7 @@
-//! Damping of parts in proportion to their masses, `*DAMPING_PART_MASS`: free cubes and rigid bodies
-//! become slower by the exponential of its integral. Units mm, ms, kg, so kN and J.
+//! Damping of parts in proportion to their masses, `*DAMPING_PART_MASS`: free cubes and rigid
+//! bodies become slower by the exponential of its integral. Units mm, ms, kg, so kN and J.
 
-use crate::base::{assert_refused, assert_same_when_written, model_of, refused, with};
+use crate::base::{BASE, assert_refused, assert_same_when_written, model_of, refused, with};
 use crumple_proto::ids::NodeId;
 use crumple_tests::{run_alone, run_side_by_side};
 use crumple_worker::engine::Engine;
@@ -37,8 +37,8 @@ fn ratio(end: &Engine) -> f64 {
     momentum / end.nodes.mass.iter().sum::<f64>() / VELOCITY
 }
 
-/// Both cubes damped, by a constant and by one that grows: the exponential of the integral, which
-/// the step meets within `alpha dt/2`. The work of the damping is the loss of kinetic energy.
+/// Both cubes damped, by a constant and by one that grows: the exponential of the integral, within a
+/// step. The work of the damping is the loss of kinetic energy, to round-off.
 #[test]
 fn damped_bodies_become_slower_by_the_exponential() {
     let all = |curve: u32| {
@@ -47,12 +47,13 @@ fn damped_bodies_become_slower_by_the_exponential() {
     for (curve, integral) in [(9, ALPHA * END), (8, 0.5 * ALPHA * END)] {
         let end = run_alone(&model_of(&all(curve)), |_| {});
         let (found, exact) = (ratio(&end), (-integral).exp());
-        let lag = 0.5 * ALPHA * end.clock.time / end.clock.cycle as f64;
-        assert!((found / exact - 1.0).abs() < 2.0 * lag, "{curve}: {found}, {exact}, {lag}");
-        assert!(lag < 2e-3, "{lag}");
+        let by_step = ALPHA * end.clock.time / end.clock.cycle as f64;
+        let error = (found / exact).ln();
+        // The velocity is that of half a step before the end, and the curve that before the step.
+        assert!(error.abs() < by_step, "{curve}: {found}, {exact}, {error:.1e} of {by_step:.1e}");
         let energies = end.energies(true).values();
         let balance = (energies.external + MASS * VELOCITY * VELOCITY) / energies.kinetic - 1.0;
-        println!("{curve}: {:.1e} of {lag:.1e}, balance {balance:.1e}", found / exact - 1.0);
+        println!("{curve}: {error:.1e} of {by_step:.1e}, balance {balance:.1e}");
         assert!(balance.abs() < 1e-9, "{energies:?}: {balance}");
     }
 }
@@ -69,12 +70,46 @@ fn nodes_between_parts_have_their_share() {
     assert_eq!((share(1), share(5)), (1.0, 0.5));
     let end = run_alone(&model, |_| {});
     let (found, exact) = (ratio(&end), (-0.5 * ALPHA * END).exp());
-    // The damped cube is slower by far less than this, as the other one pulls it along.
-    assert!((found / exact - 1.0).abs() < 5e-3, "{found}, {exact}");
+    // Measured 1e-3: the damped cube is slower than the other one, which pulls it along.
+    println!("shared {:.1e}", found / exact - 1.0);
+    assert!((found / exact - 1.0).abs() < 2e-3, "{found}, {exact}");
     let digest = |workers| run_side_by_side(&model, workers, 300, 0).digest();
     let alone = digest(1);
     assert!([2, 3, 4].into_iter().all(|workers| digest(workers) == alone));
-    assert_same_when_written(&one, "time.max_cycles=100", "*DAMPING_PART_MASS");
+    assert_same_when_written(&one, "time.max_cycles=100", "*DAMPING_PART_MASS_SET");
+    let both =
+        cubes(STEEL, &format!("*SET_PART_LIST\n5\n1,2\n*DAMPING_PART_MASS_SET\n5,9,{ALPHA}\n"));
+    assert_same_when_written(&both, "time.max_cycles=100", "*DAMPING_PART_MASS_SET");
+}
+
+/// A strip of shells that turns about an edge is damped with its rotations, also if it is computed
+/// in subcycles and on several workers.
+#[test]
+fn rotations_are_damped() {
+    let model = |more: &[&str]| {
+        let text = format!(
+            "{BASE}{STEEL}*DAMPING_PART_MASS\n1,9,{ALPHA}\n*DEFINE_CURVE\n9\n0,1\n20,1\n\
+             *SET_PART_LIST\n5\n1\n*INITIAL_VELOCITY_GENERATION\n5,1,0.05\n0,5,12,0,1,0\n"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deck.k");
+        std::fs::write(&path, format!("{text}*END\n")).unwrap();
+        let sets = [&["end_time=0.3"], more].concat();
+        let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+        crumple::input::job::read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
+    };
+    let plain = model(&[]);
+    let end = run_alone(&plain, |_| {});
+    let w = end.nodes.w[end.nodes.local_index(NodeId(12)).expect("a node") as usize][1];
+    let by_step = ALPHA * end.clock.time / end.clock.cycle as f64;
+    let error = (w / 0.05).ln() + ALPHA * end.clock.time - 0.5 * by_step;
+    println!("rotation: {error:.1e}");
+    // The edges of the free strip swing about its rigid rotation, with 1 % at most.
+    assert!(error.abs() < 1e-2, "{w}: {error}");
+    for model in [plain, model(&["time.subcycles=2"])] {
+        let digest = |workers| run_side_by_side(&model, workers, 200, 0).digest();
+        assert_eq!(digest(1), digest(3));
+    }
 }
 
 /// Members of a rigid body pass the forces on to it, with their moment: its spin falls at the same
@@ -91,15 +126,21 @@ fn rigid_bodies_are_damped() {
     let deck = cubes(rigid, &set);
     let at_start = format!("*INITIAL_VELOCITY\n0\n{VELOCITY}\n");
     assert!(deck.contains(&at_start));
-    let end = run_alone(&model_of(&deck.replace(&at_start, "")), |_| {});
+    let model = model_of(&deck.replace(&at_start, ""));
+    let end = run_alone(&model, |_| {});
     let v = |id| end.nodes.v[end.nodes.local_index(NodeId(id)).expect("a node") as usize];
     // Nodes 1 to 4 are the corners of the end, about the axis x.
     let mean = 0.25 * (1..=4).map(|id| v(id)[1]).sum::<f64>();
     let turning = ((v(4)[1] - v(1)[1]).powi(2) + (v(4)[2] - v(1)[2]).powi(2)).sqrt() / 10.0;
     let exact = (-2.0 * ALPHA * END).exp();
     for found in [mean / VELOCITY, turning / spin] {
+        // With the velocity before the step: faster by the fraction alpha dt/2 of the exponent, 3,
+        // so by 4.5e-3; and half a step early, 1.5e-3.
+        println!("rigid {:.1e}", found / exact - 1.0);
         assert!((found / exact - 1.0).abs() < 5e-3, "{found}, {exact}");
     }
+    let digest = |workers| run_side_by_side(&model, workers, 200, 0).digest();
+    assert_eq!(digest(1), digest(2));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Materials of decks: their laws and parameters, and cubes of each on a prescribed path. Units mm,
 //! ms, kg, so kN, GPa and J.
 
-use crate::base::{BASE, MOVES, model_of};
+use crate::base::{BASE, MOVES, assert_same_when_written, model_of};
 use crumple::input::job::Model;
 use crumple_tests::program::{crumple_with, run};
 use std::fmt::Write;
@@ -113,6 +113,8 @@ fn added_failure_of_a_material() {
     let strained = model(&format!("{metal}*MAT_ADD_EROSION\n1,,,,0.4\n"));
     assert_eq!(parameter(&strained, "erosion_effective_strain"), "0.4");
     assert_eq!(parameter(&strained, "erosion_plastic_strain"), "");
+    let text = format!("{BASE}{MOVES}{metal}*MAT_ADD_EROSION\n1,,,,0.4\n");
+    assert_same_when_written(&text, "time.max_cycles=50", "*MAT_ADD_EROSION");
 }
 
 /// Damage, strains of failure and anisotropy become keys of `j2`, Johnson-Cook without temperature

@@ -216,3 +216,29 @@ fn a_body_of_several_parts_starts_as_one() {
         assert!(error < 1e-12, "{}: {v:?}, {wanted:?}", node.id);
     }
 }
+
+/// Constraints of some nodes hold the body, with the rotations that would move these nodes; the
+/// constraints of other nodes stay.
+#[test]
+fn constraints_of_some_nodes_hold_a_body() {
+    let held = |lines: &str| {
+        let text = BASE.replace("cube\n2,2,1\n", "cube\n2,2,2\n");
+        let model =
+            model_of(&format!("{text}{STEEL}{MOVES}*MAT_RIGID\n2,7.85e-6,207.0,0.3\n{lines}"));
+        let mut fixed = model.job.rigid[0].fixed.clone();
+        fixed.sort_unstable();
+        let warned = model.warnings.iter().filter(|w| w.message.contains("hold its body")).count();
+        (fixed, model.job.fix.len(), warned)
+    };
+    // The top is off the centre along all axes.
+    let ring = "*SET_NODE_LIST\n7\n5,6,7,8\n*BOUNDARY_SPC_SET\n7,0,1,1\n";
+    let words = |text: &str| text.split(' ').map(String::from).collect::<Vec<_>>();
+    assert_eq!(held(ring), (words("rx ry rz x y"), 0, 1));
+    // A node straight above the centre: z does not turn it.
+    let middle = "*NODE\n31,5,5,20\n*CONSTRAINED_EXTRA_NODES_NODE\n2,31\n\
+                  *ELEMENT_SHELL\n9,1,11,12,31\n*BOUNDARY_SPC_NODE\n31,0,0,0,1\n";
+    assert_eq!(held(middle), (words("z"), 0, 1));
+    // A plane of symmetry, with nodes of the plate too.
+    let plane = "*SET_NODE_LIST\n7\n1,2,5,6,11,12,13\n*BOUNDARY_SPC_SET\n7,0,0,1,0,1,0,1\n";
+    assert_eq!(held(plane), (words("rx rz y"), 1, 1));
+}

@@ -39,8 +39,9 @@ pub struct ContactSolver<'a, S> {
 }
 
 /// Largest squared norm of the residual of a sweep with usable forces, as a multiple of the least
-/// one of the step. One pair that never settles can keep the norm constant, while sweep by sweep
-/// the other forces become more accurate; sweeps with lost forces had 1e4 and more.
+/// one of the step: twice the norm. One pair that never settles can keep the norm constant, while
+/// sweep by sweep the other forces become more accurate. In the sliding block of A07 sweeps with
+/// lost forces had 1e4 and more.
 const USABLE: f64 = 4.0;
 
 /// Result of the sweeps of a step.

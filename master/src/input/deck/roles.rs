@@ -368,7 +368,7 @@ const IDS_ONLY: &[(&str, &str)] = &[
     ("MAT_*", "n=1 m=1 n1=1 n2=1 n3=1 idam=1 pvid=1 roflg=1"),
     ("CONTROL_*", "drcpsid=#s ihq=1 imflag=1 bwc=1 cntco=1 istupd=1 theory=1 endcyc=1 erode=1"),
     ("DAMPING_GLOBAL", ""),
-    ("DAMPING_PART_MASS*", "lcid=#f:t:k sf=1 flag=1"),
+    ("DAMPING_PART_MASS*", "lcid=#f:t:w sf=1 flag=1"),
     ("DAMPING_PART_STIFFNESS*", "coef=1"),
     ("DATABASE_*", "npltc=1 strflg=1 ioopt=1"),
     // The dimension of a critical value is that of its sensor.

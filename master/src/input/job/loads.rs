@@ -80,12 +80,22 @@ pub fn resolve(
             findings.add(Problem::error(path("parts"), "a damping has no parts", help));
         }
         known_parts(&d.parts, &format!("damping.{i}"), "damping", job, findings);
+        let switched = |part: &&u32| {
+            job.rigid
+                .iter()
+                .any(|body| (body.from > 0.0 || body.until.is_some()) && body.parts.contains(part))
+        };
+        if let Some(part) = d.parts.iter().find(switched) {
+            let message = format!("part {part} is rigid for a time, and has a damping of its own");
+            let help = "remove the part from the damping; `time.damping` acts on the whole model";
+            findings.add(Problem::error(path("parts"), message, help));
+        }
         let coefficient = d.coefficient;
         if !(coefficient.is_finite() && coefficient >= 0.0) {
             let message = format!("`coefficient` is {coefficient:?}");
             findings.add(Problem::error(path("coefficient"), message, "give it at 0 or above"));
         }
-        loads.part_damping.push(PartDamping { coefficient, curve, shares: Vec::new() });
+        loads.part_damping.push(PartDamping { coefficient, curve, ..PartDamping::default() });
     }
     for (i, load) in job.load.iter().enumerate() {
         let curve = curves.find(&load.curve, &format!("load.{i}.curve"), findings);
@@ -401,6 +411,7 @@ pub fn share_masses(
     mesh: &Mesh,
     settings: &mut Settings,
     (elements, nodes): (&ElementStart, &NodeStart),
+    findings: &mut JobProblems,
 ) {
     if job.gravity.iter().all(|g| g.parts.is_empty()) && job.damping.is_empty() {
         return;
@@ -436,8 +447,16 @@ pub fn share_masses(
     for (gravity, shares) in settings.loads.gravity.iter_mut().zip(of_gravity) {
         gravity.shares = shares;
     }
-    for (damping, shares) in settings.loads.part_damping.iter_mut().zip(of_damping) {
-        damping.shares = shares;
+    let bodies: HashSet<NodeId> =
+        settings.rigid.iter().flat_map(|body| body.nodes.iter().copied()).collect();
+    for (i, shares) in of_damping.into_iter().enumerate() {
+        if shares.is_empty() {
+            let message = "a damping acts on nothing: its parts have no mass".to_string();
+            let help = "name parts with elements, or remove it";
+            findings.add(Problem::warning(format!("damping.{i}.parts"), message, help));
+        }
+        let damping = &mut settings.loads.part_damping[i];
+        (damping.members, damping.shares) = shares.into_iter().partition(|s| bodies.contains(&s.0));
     }
 }
 

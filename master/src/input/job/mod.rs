@@ -306,7 +306,7 @@ fn build(
     if let Some(quality) = quality.as_ref().filter(|_| !gives_skin) {
         search_skin::widen(&mut settings, &mesh, &nodes, &elements, quality.median_side);
     }
-    loads::share_masses(&job, &mesh, &mut settings, (&elements, &nodes));
+    loads::share_masses(&job, &mesh, &mut settings, (&elements, &nodes), findings);
     let mut warnings = placeholders::check(&job);
     warnings.extend(warnings::of_model(&job, &mesh, &settings, &elements, &nodes));
     Some(Built {

@@ -109,7 +109,7 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Resolv
     }
     let direct: Vec<Tie> = projected.iter().map(|s| s.tie.clone()).collect();
     failure::refuse_chains(&direct, findings);
-    failure::refuse_gravity_of_parts(job, mesh, &direct, findings);
+    failure::refuse_loads_of_parts(job, mesh, &direct, findings);
     let mut given = BTreeMap::new();
     for s in &projected {
         let node = &mut mesh.nodes[s.node];
@@ -312,7 +312,7 @@ fn report_distant(
             lost.len()
         );
         findings.add(match job.tie[entry].may_be_empty {
-            true => Problem::warning(path, message, help),
+            true => Problem::warning(path, message, "if this is meant, remove the tie"),
             false => Problem::error(path, message, help),
         });
     } else if !lost.is_empty() {

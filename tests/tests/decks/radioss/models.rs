@@ -46,6 +46,17 @@ fn an_ultimate_stress_gives_the_hardening() {
     assert_eq!(steep.job.material[0].law, "j2");
     assert!((b / ((s - 0.3) / plastic) - 1.0).abs() < 1e-12, "{b}");
     // An ultimate stress below the yield stress: no hardening.
+    for (numbers, words) in [
+        ("r0.3 r0.5 r0", ""),
+        ("r0.3 r0 r0.1", "stress is 0 at the strain 0.1"),
+        ("r0.3 r0.5 r-0.1", "at the strain -0.1"),
+    ] {
+        let text = deck(&format!("/MAT/LAW2/1\n=m\nr7.85e-6\nr200.0 r0.3 i1\n{numbers}"));
+        let found = reading(&(mesh() + &properties() + &moves() + &text), &[]);
+        // A blank or zero strain is 1.
+        assert_eq!(found.is_ok(), words.is_empty(), "{numbers}");
+        assert!(found.err().is_none_or(|report| report.contains(words)), "{numbers}");
+    }
     let flat = law("r0.3 r0.2 r0.1");
     assert_eq!((number(&flat, "yield_stress"), flat.job.material[0].law.as_str()), (0.3, "j2"));
     assert!(!flat.job.material[0].parameters.contains_key("hardening_modulus"));
@@ -142,6 +153,37 @@ fn plastic_laws_keep_their_numbers() {
     assert!(power[1..].iter().all(|p| off(p) < 1e-15), "{power:?}");
 }
 
+/// Functions for several rates become a table by the rate; each continues with its last slope.
+#[test]
+fn functions_of_several_rates_are_a_table() {
+    let functions = "/FUNCT/8\n=y\nr0 r300\nr0.1 r400\n/FUNCT/9\n=z\nr0 r150\nr0.1 r190\n";
+    let law = |fcts: &str, rates: &str| {
+        format!(
+            "{functions}/MAT/LAW36/1\n=m\nr7.85e-6\nr200 r0.3\ni2\n_\n{fcts}\nr1e-3 r2.5e-3\n{rates}"
+        )
+    };
+    let found = of_law(&law("i8 i9", "r0 r0.5"));
+    let table: Vec<Vec<f64>> = value(&found, "hardening_by_rate")
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| row.as_array().unwrap().iter().map(|c| c.as_float().unwrap()).collect())
+        .collect();
+    let [first, second] = [0.0, 0.5].map(|rate| {
+        table.iter().filter(|row| row[0] == rate).map(|row| [row[1], row[2]]).collect::<Vec<_>>()
+    });
+    for (rows, [start, end]) in [(first, [0.3, 0.4]), (second, [0.375, 0.475])] {
+        for (row, wanted) in rows.iter().zip([[0.0, start], [0.1, end]]) {
+            assert!((0..2).all(|c| (row[c] - wanted[c]).abs() < 1e-12), "{row:?}, {wanted:?}");
+        }
+        let slope = (rows[2][1] - rows[1][1]) / (rows[2][0] - rows[1][0]);
+        assert!((slope - 1.0).abs() < 1e-9, "{rows:?}");
+    }
+    let text = mesh() + &properties() + &moves() + &deck(&law("i8", "r0"));
+    let report = reading(&text, &[]).err().unwrap_or_else(|| panic!("one function of two"));
+    assert!(report.contains("has 1 of 2 functions"), "{report}");
+}
+
 /// A largest stress ends the hardening; with a rate the law of Cowper and Symonds alone has it.
 #[test]
 fn a_largest_stress_ends_the_hardening() {
@@ -187,6 +229,9 @@ fn thick_shells_have_their_points() {
         assert_eq!(part.element.as_deref(), Some("thick_shell"), "{numbers}");
         assert_eq!(part.parameters["points"].number(), Some(points), "{numbers}");
     }
+    let by_default =
+        of("_").replace("/PROP/TYPE20", &format!("{}/PROP/TYPE20", deck("/DEF_SOLID\ni15")));
+    assert_eq!(model(&by_default).job.part[1].parameters["points"].number(), Some(3.0));
     for (numbers, words) in [("i16", "`isolid` = 16"), ("i14 i0 _ _ i1", "`icstr` = 1")] {
         let report = reading(&of(numbers), &[]).err().unwrap_or_else(|| panic!("{words}"));
         assert!(report.contains(words), "{report}");

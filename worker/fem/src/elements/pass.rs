@@ -474,9 +474,9 @@ fn least_steps<L: PointLanes<W>, const W: usize>(
     }
 }
 
-/// Deletes the elements with a section of a group whose stable step is below `least` [time], or is
-/// none. One whose coordinates or velocities are not finite stays; `moves` returns the sum of their
-/// magnitudes. `corners` are the forces, and the moments if there are any.
+/// Deletes elements of a group whose stable step is below `least` [time] or NaN. One whose
+/// coordinates or velocities are not finite stays; `moves` returns the sum of their magnitudes.
+/// `corners` are the forces, and the moments if there are any.
 #[cold]
 #[inline(never)]
 fn delete_short<L: PointLanes<W>, const C: usize, const W: usize>(

@@ -8,8 +8,8 @@
 //! with the pressure p (the mean stress with the other sign), the largest principal stress and the
 //! logarithm of the ratio of volumes; a negative limit of `volume_strain` is one of compression.
 //! Thinning, of shells, is the strain through the thickness; the major strain is the largest
-//! principal strain, in shells in the plane, and e the deviator of the strain. All three are of
-//! sums of the increments, in axes that turn with the material. A point fails as soon as one of
+//! principal strain, in shells in the plane, and e the deviator of the strain, in
+//! shells without the transverse shear. All three are of sums of the increments, in axes that turn with the material. A point fails as soon as one of
 //! them holds; its stress is zero from then on. Each criterion has the key of its name with
 //! `erosion_` before it.
 //!
@@ -284,7 +284,9 @@ impl Erosion {
         if let Some(column) = self.thickness {
             at_least(-state[column], self.limits[6]);
         }
-        if let Some(strain) = self.major_strain(state) {
+        if self.limits[MAJOR_STRAIN].is_some()
+            && let Some(strain) = self.major_strain(state)
+        {
             at_least(strain, self.limits[MAJOR_STRAIN]);
         }
         if self.limits[EFFECTIVE_STRAIN].is_some()

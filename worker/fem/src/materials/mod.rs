@@ -416,8 +416,13 @@ pub fn build(material: &Material) -> LawResult {
 }
 
 /// Parameters that describe a sheet or its size: beams and trusses cannot have them.
-pub const OF_SHEETS: [&str; 4] =
-    [j2::LANKFORD, "erosion_thinning", "erosion_major_strain", gissmo::SIZES];
+pub const OF_SHEETS: [&str; 5] = [
+    j2::LANKFORD,
+    "erosion_thinning",
+    "erosion_major_strain",
+    "erosion_effective_strain",
+    gissmo::SIZES,
+];
 
 /// Returns the elastic constants of a material for any element, `None` if it is one of cohesive
 /// elements; or all its problems, with paths relative to it.

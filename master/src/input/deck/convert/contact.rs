@@ -510,11 +510,18 @@ impl DeckConverter {
                 NodeContent::Float(value) => Some(value),
                 _ => None,
             };
-            let Some(own) = float("thickness") else { continue };
+            let of = format!("{name}, part {tool}");
+            let Some(own) = float("thickness") else {
+                if given > 0.0 {
+                    self.map(of, format!("sbst {given}"), "not used: it is for shells only");
+                }
+                continue;
+            };
             let thickness = if given > 0.0 { given } else { OF_TOOLS * own };
-            if float("contact_thickness").is_some_and(|other| other != thickness) {
-                let why = "one contact thickness for each tool: remove that of *PART_CONTACT, or \
-                           give the same sbst in all contacts";
+            let differs = float("contact_thickness").is_some_and(|other| other != thickness);
+            if differs || keys.contains_key("contact_thickness_scale") {
+                let why = "one contact thickness for each tool: remove optt and sft of \
+                           *PART_CONTACT, or give the same sbst in all contacts";
                 self.unsupported_value(record, "sbst", why);
                 continue;
             }
@@ -524,7 +531,7 @@ impl DeckConverter {
                 true => (format!("sbst {given}"), format!("contact_thickness {given}")),
                 false => ("tools without thickness".into(), format!("{OF_TOOLS} of its own")),
             };
-            self.map(format!("{name}, part {tool}"), from, to);
+            self.map(of, from, to);
         }
     }
 

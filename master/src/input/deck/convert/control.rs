@@ -112,43 +112,48 @@ impl DeckConverter {
         }
     }
 
-    /// Converts `*DAMPING_PART_...`.
+    /// Converts `*DAMPING_PART_MASS`, and checks `*DAMPING_PART_STIFFNESS`.
     pub(super) fn part_damping(&mut self) {
-        for (keyword, field) in [
-            ("DAMPING_PART_MASS", "pid"),
-            ("DAMPING_PART_MASS_SET", "psid"),
-            ("DAMPING_PART_STIFFNESS", "pid"),
-            ("DAMPING_PART_STIFFNESS_SET", "psid"),
-        ] {
-            for record in self.take_records(keyword) {
-                let (id, place) = (record.integer(field), record.place(field));
-                let parts = match field {
-                    "psid" => self.part_set(id, place),
-                    _ if self.has_part(id, place) => vec![id],
-                    _ => Vec::new(),
-                };
-                if keyword.contains("STIFFNESS") {
-                    if record.real("coef") < 0.0 {
-                        let why = "a damping in proportion to the stiffness, beta [time]; \
-                                   *DAMPING_PART_MASS damps low frequencies";
-                        self.unsupported_value(&record, "coef", why);
-                    }
-                    continue;
-                }
-                let at = record.place("lcid");
-                let factor =
-                    if record.integer("flag") == 1 { self.damping_factor(&record) } else { 1.0 };
-                let Some(curve) = self.time_curve(record.integer("lcid"), at) else { continue };
-                if parts.is_empty() {
-                    continue;
-                }
-                let table = JobTable::new(record.head)
-                    .with("coefficient", record.place("sf"), factor * record.real("sf"))
-                    .with("parts", place, parts)
-                    .with("curve", at, curve);
-                self.add("damping", table);
+        for (record, parts, place) in self.damped_parts("DAMPING_PART_MASS") {
+            let factor =
+                if record.integer("flag") == 1 { self.damping_factor(&record) } else { 1.0 };
+            let at = record.place("lcid");
+            let Some(curve) = self.time_curve(record.integer("lcid"), at) else { continue };
+            let table = JobTable::new(record.head)
+                .with("coefficient", record.place("sf"), factor * record.real("sf"))
+                .with("parts", place, parts)
+                .with("curve", at, curve);
+            self.add("damping", table);
+        }
+        for (record, ..) in self.damped_parts("DAMPING_PART_STIFFNESS") {
+            if record.real("coef") < 0.0 {
+                let why = "a damping by the stiffness, beta [time]: remove it, or damp low \
+                           frequencies by *DAMPING_PART_MASS";
+                self.unsupported_value(&record, "coef", why);
             }
         }
+    }
+
+    /// Returns the records of a keyword and of its form for sets, with the parts that they name and
+    /// the place of these; a record without parts is reported.
+    fn damped_parts(&mut self, keyword: &'static str) -> Vec<(CardRecord, Vec<i64>, Place)> {
+        let single = self.take_records(keyword).into_iter().map(|record| (record, "pid"));
+        let of_sets = self.take_records(&format!("{keyword}_SET"));
+        let all: Vec<_> =
+            single.chain(of_sets.into_iter().map(|record| (record, "psid"))).collect();
+        let mut found = Vec::new();
+        for (record, field) in all {
+            let (id, place) = (record.integer(field), record.place(field));
+            let parts = match field {
+                "psid" => self.part_set(id, place),
+                _ if self.has_part(id, place) => vec![id],
+                _ => Vec::new(),
+            };
+            if !parts.is_empty() {
+                found.push((record, parts, place));
+            }
+        }
+        found
     }
 
     /// Returns the ordinate of a curve that is constant up to the end of the run; 0 without the

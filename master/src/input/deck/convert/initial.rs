@@ -61,6 +61,7 @@ impl DeckConverter {
                 self.initial(place, Some(name), v, None);
             }
         }
+        let mut moved: BTreeMap<String, ([Bits; 2], Place)> = BTreeMap::new();
         for record in self.take_records("INITIAL_VELOCITY_RIGID_BODY") {
             let lines: Vec<CardLine> = record.lines("pid").cloned().collect();
             for line in lines {
@@ -70,6 +71,15 @@ impl DeckConverter {
                 }
                 let v = self.velocity(&line, ["vx", "vy", "vz"], "icid");
                 let w = self.velocity(&line, ["vxr", "vyr", "vzr"], "icid");
+                if let Some(body) = self.bodies.get(&part) {
+                    let motion = [v, w].map(|v| v.map(f64::to_bits));
+                    let other = moved.insert(body.clone(), (motion, place));
+                    if let Some((_, first)) = other.filter(|(other, _)| *other != motion) {
+                        let message = format!("the body of part {part} has two initial velocities");
+                        let help = "the last card of a body counts: remove the other one";
+                        self.trouble.warning(first, message, help);
+                    }
+                }
                 let (parts, set) = self.body_of(part, place);
                 let spin = (w != [0.0; 3]).then(|| (w, self.centre_of(&parts)));
                 self.initial(line.place, Some(set), v, spin);
@@ -84,21 +94,27 @@ impl DeckConverter {
         }
     }
 
-    /// Returns the parts of the rigid body of a part, and the set of its nodes with its extra nodes.
+    /// Returns the parts of the rigid body of a part, and the set of its nodes and extra nodes.
     fn body_of(&mut self, part: i64, place: Place) -> (Vec<i64>, String) {
         let Some(name) = self.bodies.get(&part) else {
             return (vec![part], self.nodes_of_parts(&[part]));
         };
         let parts: Vec<i64> =
             self.bodies.iter().filter(|body| body.1 == name).map(|body| *body.0).collect();
-        let members = self.node_bodies.iter().filter(|node| node.1 == name);
-        let mut members: Vec<NodeId> = members.map(|node| *node.0).collect();
+        let own = self.rows.nodes_of(|part| parts.contains(&i64::from(part)));
+        // Nodes without elements have no mass, and no velocity.
+        let connected = self.rows.nodes_of(|_| true);
+        let of_body = self
+            .node_bodies
+            .iter()
+            .filter(|(node, body)| *body == name && connected.binary_search(node).is_ok());
+        let mut members: Vec<NodeId> = of_body.map(|(node, _)| *node).chain(own.clone()).collect();
         members.sort_unstable();
-        let of_parts = self.nodes_of_parts(&parts);
-        if self.rows.set(&of_parts).is_some_and(|nodes| nodes.len() == members.len()) {
-            return (parts, of_parts);
-        }
-        let set = self.rows.add_new_set(&format!("velocity-body-{part}"), members, place);
+        members.dedup();
+        let set = match members.len() == own.len() {
+            true => self.nodes_of_parts(&parts),
+            false => self.rows.add_new_set(&format!("velocity-body-{part}"), members, place),
+        };
         (parts, set)
     }
 

@@ -176,13 +176,7 @@ impl DeckConverter {
         if all.is_empty() || held.len() < nodes.len() || held.values().any(|own| *own != all) {
             return BTreeSet::new();
         }
-        for fix in &mut self.fixes {
-            let before = fix.nodes.len();
-            fix.nodes.retain(|n| !nodes.contains(n));
-            if fix.nodes.len() < before && !fix.is_new {
-                (fix.set, fix.is_new) = (format!("{}-deformable", fix.set), true);
-            }
-        }
+        self.release(nodes);
         let x: Vec<[f64; 3]> = nodes.iter().filter_map(|&n| self.rows.at(n)).collect();
         let is_wide = |c: usize| x.iter().any(|point| point[c] != x[0][c]);
         let mut fixed = all;
@@ -195,6 +189,51 @@ impl DeckConverter {
             }
         }
         fixed
+    }
+
+    /// Returns what constraints of some nodes of a rigid body fix of it, with the place of one of
+    /// them, and removes its nodes from these constraints: the fixed directions, and all rotations
+    /// about the centre that would move a node along one of them.
+    pub(super) fn held_by_some(
+        &mut self,
+        nodes: &BTreeSet<NodeId>,
+        centre: [f64; 3],
+    ) -> Option<(BTreeSet<&'static str>, Place)> {
+        let mut held: Vec<(NodeId, Vec<&'static str>, Place)> = Vec::new();
+        for fix in &self.fixes {
+            let own = fix.nodes.iter().filter(|n| nodes.contains(n));
+            held.extend(own.map(|node| (*node, fix.dofs.clone(), fix.place)));
+        }
+        let place = held.first()?.2;
+        self.release(nodes);
+        let all: Vec<[f64; 3]> = nodes.iter().filter_map(|&n| self.rows.at(n)).collect();
+        let offset = |x: &[f64; 3], c: usize| (x[c] - centre[c]).abs();
+        let size = all.iter().flat_map(|x| [0, 1, 2].map(|c| offset(x, c))).fold(0.0, f64::max);
+        let mut fixed = BTreeSet::new();
+        for (node, dofs, _) in held {
+            let x = self.rows.at(node)?;
+            for (c, axis) in ["x", "y", "z"].into_iter().enumerate() {
+                if dofs.contains(&axis) {
+                    // A rotation about one axis moves nodes that are off the centre along the other.
+                    let pairs = [(1, 2), (2, 1)].map(|(b, d)| ((c + b) % 3, (c + d) % 3));
+                    let turns = pairs.into_iter().filter(|&(_, d)| offset(&x, d) > 1e-6 * size);
+                    fixed.extend(turns.map(|(b, _)| ["rx", "ry", "rz"][b]));
+                }
+            }
+            fixed.extend(dofs);
+        }
+        Some((fixed, place))
+    }
+
+    /// Removes nodes from all constraints.
+    fn release(&mut self, nodes: &BTreeSet<NodeId>) {
+        for fix in &mut self.fixes {
+            let before = fix.nodes.len();
+            fix.nodes.retain(|n| !nodes.contains(n));
+            if fix.nodes.len() < before && !fix.is_new {
+                (fix.set, fix.is_new) = (format!("{}-deformable", fix.set), true);
+            }
+        }
     }
 
     /// Adds all constraints of nodes.

@@ -108,7 +108,20 @@ impl DeckConverter {
                 format!("the body is fixed: {}", used.join(", ")),
             );
             body.fixed.extend(held);
+            return;
         }
+        let parts: Vec<i64> = body.parts.iter().copied().collect();
+        let centre = self.centre_of(&parts);
+        let Some((held, place)) = self.held_by_some(&nodes, centre) else { return };
+        let dofs: Vec<&str> = held.iter().copied().collect();
+        let message = format!(
+            "constraints of some nodes of the rigid part {id} hold its body: it is fixed in {}",
+            dofs.join(", ")
+        );
+        let help = "rotations that would move these nodes are fixed, too: it cannot rock about them. \
+                    Use con1 and con2 of *MAT_RIGID, or a joint, if this is not meant";
+        self.trouble.warning(place, message, help);
+        body.fixed.extend(held);
     }
 
     /// Converts `*DEFORMABLE_TO_RIGID`.

@@ -90,7 +90,8 @@ impl DeckConverter {
                     Some((Some(blast), _)) => ("blast", NodeContent::from(blast.copy())),
                     Some((None, _)) => continue,
                     None => {
-                        let known: Vec<String> = blasts.keys().map(i64::to_string).collect();
+                        let known = blasts.keys().filter(|id| **id != AS_CURVE);
+                        let known: Vec<String> = known.map(i64::to_string).collect();
                         self.missing(place, "*LOAD_BLAST_ENHANCED", curve, &known);
                         continue;
                     }
@@ -114,11 +115,14 @@ impl DeckConverter {
                 self.add("pressure", table);
             }
         }
-        blasts.retain(|id, _| !used.contains(id));
-        for (_, place) in blasts.into_values() {
-            let message = "an explosion loads no segment: it has no effect".to_string();
-            let help = "name it on *LOAD_BLAST_SEGMENT_SET, or remove it";
-            self.trouble.warning(place, message, help);
+        blasts.retain(|id, blast| !used.contains(id) && blast.0.is_some());
+        for (id, (_, place)) in blasts {
+            let (which, card) = match id {
+                AS_CURVE => ("*LOAD_BLAST".to_string(), "*LOAD_SEGMENT_SET with lcid -2"),
+                id => (format!("explosion {id}"), "*LOAD_BLAST_SEGMENT_SET"),
+            };
+            let message = format!("{which} loads no segment: it has no effect");
+            self.trouble.warning(place, message, format!("name it on {card}, or remove it"));
         }
     }
 

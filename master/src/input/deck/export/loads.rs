@@ -23,10 +23,9 @@ pub fn gravity(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>
 pub fn damping(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>) {
     for damping in &model.job.damping {
         let curve = curves.id(deck, damping.curve.as_deref());
-        for part in &damping.parts {
-            deck.keyword("DAMPING_PART_MASS");
-            deck.card(&[Id((*part).into()), Id(curve), Number(damping.coefficient)]);
-        }
+        let set = deck.part_set(&damping.parts);
+        deck.keyword("DAMPING_PART_MASS_SET");
+        deck.card(&[Id(set), Id(curve), Number(damping.coefficient)]);
     }
 }
 

@@ -21,7 +21,7 @@ const EROSION: [[(&str, f64); 8]; 2] = [
         ("", 0.0),
         ("erosion_max_pressure", 1.0),
         ("", 0.0),
-        ("erosion_plastic_strain", -1.0),
+        (PLASTIC, -1.0),
         ("erosion_volume_strain", 1.0),
         ("", 0.0),
         ("", 0.0),
@@ -37,6 +37,8 @@ const EROSION: [[(&str, f64); 8]; 2] = [
         ("", 0.0),
     ],
 ];
+const PLASTIC: &str = "erosion_plastic_strain";
+const EFFECTIVE: &str = "erosion_effective_strain";
 const OF_BOTH_SIGNS: [&str; 3] =
     ["erosion_max_pressure", "erosion_min_pressure", "erosion_volume_strain"];
 
@@ -276,8 +278,10 @@ fn erosion(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardPara
         // The card of the law may have it.
         is_limit && !read.contains_key(key)
     };
-    let keys: Vec<&str> =
-        EROSION.as_flattened().iter().map(|f| f.0).filter(|key| given(key)).collect();
+    let own = EROSION.as_flattened().iter().map(|f| f.0);
+    // One field has the limit of the plastic strain, or that of the effective strain.
+    let shared = (!given(PLASTIC)).then_some(EFFECTIVE);
+    let keys: Vec<&str> = own.chain(shared).filter(|key| given(key)).collect();
     if keys.is_empty() {
         return;
     }
@@ -285,6 +289,7 @@ fn erosion(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardPara
     for (row, fields) in EROSION.iter().enumerate() {
         let mut values = fields.map(|(key, sign)| match given(key) {
             true => Number(sign * cards.number(key)),
+            false if key == PLASTIC && given(EFFECTIVE) => Number(cards.number(EFFECTIVE)),
             false => Blank,
         });
         if row == 0 {

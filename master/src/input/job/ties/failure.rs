@@ -179,10 +179,10 @@ pub(super) fn strength(spec: &TieInput, corners: [NodeId; 4]) -> Option<TieStren
     })
 }
 
-/// Reports ties that can fail between elements of parts with a gravity of their own. Its force on
-/// the mass of the slaves is not known to their ties, and after a failure slaves and masters would
-/// keep the shares of the gravity that they had together.
-pub(super) fn refuse_gravity_of_parts(
+/// Reports ties that can fail between elements of parts with a gravity or a damping of their own.
+/// Its force on the mass of the slaves is not known to their ties, and after a failure slaves and
+/// masters would keep the shares that they had together.
+pub(super) fn refuse_loads_of_parts(
     job: &Job,
     mesh: &Mesh,
     ties: &[Tie],
@@ -199,14 +199,21 @@ pub(super) fn refuse_gravity_of_parts(
         faces.contains(&e.id) || e.corners().iter().any(|node| slaves.contains(node))
     };
     let parts: HashSet<u32> = mesh.elements.iter().filter(meets).map(|e| e.part).collect();
-    for (entry, gravity) in job.gravity.iter().enumerate() {
-        if let Some(part) = gravity.parts.iter().find(|part| parts.contains(part)) {
+    let gravity = job.gravity.iter().map(|g| &g.parts).enumerate();
+    let damping = job.damping.iter().map(|d| &d.parts).enumerate();
+    let all =
+        gravity.map(|entry| ("gravity", entry)).chain(damping.map(|entry| ("damping", entry)));
+    for (what, (entry, own)) in all {
+        if let Some(part) = own.iter().find(|part| parts.contains(part)) {
             let message = format!(
-                "ties that can fail join part {part}, which has a gravity of its own: its force on \
+                "ties that can fail join part {part}, which has a {what} of its own: its force on \
                  tied nodes is not known to their ties, nor divided again after a failure"
             );
-            let help = "let the gravity act on all, without `parts`; or remove `failure`";
-            findings.add(Problem::error(format!("gravity.{entry}.parts"), message, help));
+            let help = match what {
+                "gravity" => "let the gravity act on all, without `parts`; or remove `failure`",
+                _ => "use `time.damping`, which acts on all; or remove `failure`",
+            };
+            findings.add(Problem::error(format!("{what}.{entry}.parts"), message, help));
         }
     }
 }

@@ -241,8 +241,9 @@ impl StarterConverter {
         }
         if e <= 0.0 || given <= 0.0 {
             let message = format!(
-                "{}: with iflag 1 the ultimate stress is {given} at the strain {e}",
-                record.name()
+                "{} {}: with iflag 1 the ultimate stress is {given} at the strain {e}",
+                record.name(),
+                record.integer("id")
             );
             let help = "give both above 0: b is the largest engineering stress, n its strain";
             self.deck.trouble.error(record.place("b"), message, help);
@@ -263,30 +264,47 @@ impl StarterConverter {
         [a, b, n]
     }
 
-    /// Converts a yield stress by a function of plastic strain.
+    /// Converts a yield stress by functions of plastic strain, one for each strain rate.
     fn yield_table(&mut self, record: &CardRecord, table: &mut JobTable) {
         table.put("law", record.head, "j2");
-        let functions: Vec<_> =
-            record.line("fcts").map(|l| l.integers("fcts").collect()).unwrap_or_default();
-        let scales = record.line("fscales").map(|l| l.reals("fscales")).unwrap_or_default();
-        let rates = record.line("rates").map(|l| l.reals("rates")).unwrap_or_default();
-        let count = record.integer("nfunc");
-        let Some(&(id, place)) = functions.first() else {
-            let message = format!("{} {} has no function", record.name(), record.integer("id"));
+        let all: Vec<_> = record.lines("fcts").flat_map(|line| line.integers("fcts")).collect();
+        let [scales, rates] = ["fscales", "rates"].map(|field| {
+            record.lines(field).flat_map(|line| line.reals(field)).collect::<Vec<_>>()
+        });
+        let count = usize::try_from(record.integer("nfunc")).unwrap_or(0).max(1);
+        let functions = &all[..count.min(all.len())];
+        if functions.len() < count {
+            let message = format!(
+                "{} {} has {} of {count} functions",
+                record.name(),
+                record.integer("id"),
+                functions.len()
+            );
             let help = "give N_funct and the ids of functions of the yield stress";
             return self.deck.trouble.error(record.place("nfunc"), message, help);
-        };
-        if count > 1 {
-            let why = "functions for several rates: the first one holds for all; use /MAT/LAW44 \
-                       for the rate";
-            self.deck.unsupported_value(record, "nfunc", why);
-        } else if rates.first().is_some_and(|rate| *rate != 0.0) {
-            self.deck.map("/MAT/LAW36", "the rate of the function", "it holds for all rates");
         }
-        if let Some(points) = self.points_of(id, place) {
-            let scale = scales.first().copied().filter(|s| *s != 0.0).unwrap_or(1.0);
-            let rows = hardening_curve(points.iter().map(|p| [p[0], scale * p[1]]).collect());
-            table.put("hardening", place, rows.iter().map(|p| p.to_vec()).collect::<Vec<_>>());
+        let rate = |k: usize| rates.get(k).copied().unwrap_or(0.0);
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for (k, &(id, place)) in functions.iter().enumerate() {
+            let Some(points) = self.points_of(id, place) else { return };
+            let scale = scales.get(k).copied().filter(|s| *s != 0.0).unwrap_or(1.0);
+            let curve = hardening_curve(points.iter().map(|p| [p[0], scale * p[1]]).collect());
+            rows.extend(curve.iter().map(|p| match count {
+                1 => p.to_vec(),
+                _ => vec![rate(k), p[0], p[1]],
+            }));
+        }
+        let place = functions[0].1;
+        if count > 1 {
+            table.put("hardening_by_rate", place, rows);
+            let to = "hardening_by_rate, constant beyond the last rate";
+            let of = format!("material {}", record.integer("id"));
+            self.deck.map(of, format!("{count} functions by the rate"), to);
+        } else {
+            table.put("hardening", place, rows);
+            if rate(0) != 0.0 {
+                self.deck.map("/MAT/LAW36", "the rate of the function", "it holds for all rates");
+            }
         }
         fail(record, table);
     }
@@ -329,7 +347,6 @@ impl StarterConverter {
         let at = |eps: f64| [eps, a + b * eps.powf(n)];
         let mut rows = vec![[0.0, a]];
         rows.extend((0..=count).map(|k| at(least * step.powi(k))));
-        let of = format!("material {}", record.integer("id"));
         if let Some(limit) = limit {
             rows.retain(|row| row[1] < limit);
             let end = if rows.is_empty() { 0.0 } else { ((limit - a) / b).powf(1.0 / n) };
@@ -337,17 +354,20 @@ impl StarterConverter {
             if reaches || rows.is_empty() {
                 rows.push([end, limit]);
             }
-            self.deck.map(&of, format!("sigmax {limit}"), "no hardening above it");
         }
+        let (lines, last) = (rows.len() - 1, rows[rows.len() - 1]);
         table.put(
             "hardening",
             record.place("n"),
             rows.iter().map(|p| p.to_vec()).collect::<Vec<_>>(),
         );
         self.deck.map(
-            of,
-            format!("a + b eps^n with n {n}"),
-            format!("{count} straight lines from a strain of {least} to {most}"),
+            format!("material {}", record.integer("id")),
+            format!(
+                "a + b eps^n with n {n}{}",
+                limit.map_or(String::new(), |l| format!(", sigmax {l}"))
+            ),
+            format!("{lines} straight lines up to {:.4e} at a strain of {:.4e}", last[1], last[0]),
         );
     }
 }

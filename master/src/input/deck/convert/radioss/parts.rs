@@ -83,7 +83,7 @@ impl StarterConverter {
                 record.integer("prop"),
             );
             let help = "give the property that fits its elements: /PROP/SHELL for shells, \
-                        /PROP/SOLID for solids";
+                        /PROP/SOLID or /PROP/TSHELL for solids";
             self.deck.trouble.error(record.place("prop"), message, help);
         }
         let contact = record.real("thick");
@@ -103,7 +103,7 @@ impl StarterConverter {
                 self.solid_property(id, (of, properties), shapes, table);
             }
             SectionKind::Beam => self.beam_property(id, of, table),
-            SectionKind::ThickShell => self.thick_shell_property(id, of, table),
+            SectionKind::ThickShell => self.thick_shell_property(id, (of, properties), table),
             SectionKind::Discrete | SectionKind::Particle => {}
         }
         if contact > 0.0 && kind != SectionKind::Shell {

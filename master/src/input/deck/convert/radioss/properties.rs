@@ -190,11 +190,11 @@ impl StarterConverter {
     pub(super) fn thick_shell_property(
         &mut self,
         part: i64,
-        of: &StarterProperty,
+        (of, all): (&StarterProperty, &StarterProperties),
         table: &mut JobTable,
     ) {
         let card = &of.record;
-        let (isolid, given) = (card.integer("isolid"), card.integer("inpts"));
+        let (isolid, given) = (all.flag(of, "isolid"), card.integer("inpts"));
         let (points, differs) = match isolid {
             // The digits of inpts are the points along r, s and t; s is the thickness.
             14 if given == 0 => (2, "; it has one point in its plane, not four"),

@@ -70,8 +70,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("fscales:r20=1*5", AtMost(fives)),
             ("rates:r20*5", AtMost(fives)),
         ],
-        "law `j2` with the first function as `hardening`; functions of further rates are not \
-         supported. epsmax is `failure_strain`",
+        "law `j2` with a function as `hardening`, several as `hardening_by_rate`. epsmax is \
+         `failure_strain`",
     )
     .aliases(&["/MAT/PLAS_TAB"])
     .unused(&[
@@ -79,7 +79,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ignored("chard", "hardening is isotropic, which differs when the load reverses"),
         FILTER,
         ignored("epst epsm epsf", "stress does not fall with the largest tensile strain"),
-        no_effect("vp", "there is one function, for all rates"),
+        ignored("vp", "functions have the rate of the total strain"),
         refused("fctp", "a yield stress that depends on pressure"),
         no_effect("fscalep", "it scales that function"),
         refused("fcte einf ce", "a modulus that depends on plastic strain"),
