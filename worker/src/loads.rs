@@ -352,8 +352,8 @@ impl Loads {
     }
 
     /// Adds body forces, the damping of members of rigid bodies and nodal forces to the forces of
-    /// local nodes, in the order of the job. This damping takes the velocity before the step: a body
-    /// has no frequency of its own, and is stable for a damping a up to `a dt = 2`.
+    /// local nodes, in the order of the job. This damping takes the velocity before the step: a
+    /// body has no frequency of its own, and is stable for a damping a up to `a dt = 2`.
     pub fn add_forces(&mut self, nodes: &mut Nodes, time: f64, set: ElementSet) {
         if !self.gravity.is_empty() {
             self.falling = [0.0; 4];

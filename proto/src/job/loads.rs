@@ -41,8 +41,8 @@ pub struct DampingInput {
     /// Name of a curve, the factor over time; without it 1.
     #[serde(default)]
     pub curve: Option<String>,
-    /// Parts on whose elements it acts, those of rigid bodies included. The rotation of a body whose
-    /// inertia is given is damped at another rate, by that of its nodes over its own.
+    /// Parts on whose elements it acts, those of rigid bodies included. The rotation of a body
+    /// whose inertia is given is damped at another rate, by that of its nodes over its own.
     #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
 }

@@ -37,8 +37,8 @@ fn ratio(end: &Engine) -> f64 {
     momentum / end.nodes.mass.iter().sum::<f64>() / VELOCITY
 }
 
-/// Both cubes damped, by a constant and by one that grows: the exponential of the integral, within a
-/// step. The work of the damping is the loss of kinetic energy, to round-off.
+/// Both cubes damped, by a constant and by one that grows: the exponential of the integral, within
+/// a step. The work of the damping is the loss of kinetic energy, to round-off.
 #[test]
 fn damped_bodies_become_slower_by_the_exponential() {
     let all = |curve: u32| {

@@ -159,7 +159,8 @@ fn functions_of_several_rates_are_a_table() {
     let functions = "/FUNCT/8\n=y\nr0 r300\nr0.1 r400\n/FUNCT/9\n=z\nr0 r150\nr0.1 r190\n";
     let law = |fcts: &str, rates: &str| {
         format!(
-            "{functions}/MAT/LAW36/1\n=m\nr7.85e-6\nr200 r0.3\ni2\n_\n{fcts}\nr1e-3 r2.5e-3\n{rates}"
+            "{functions}/MAT/LAW36/1\n=m\nr7.85e-6\nr200 r0.3\ni2\n_\n{fcts}\n\
+             r1e-3 r2.5e-3\n{rates}"
         )
     };
     let found = of_law(&law("i8 i9", "r0 r0.5"));

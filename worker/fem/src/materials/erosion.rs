@@ -8,10 +8,10 @@
 //! with the pressure p (the mean stress with the other sign), the largest principal stress and the
 //! logarithm of the ratio of volumes; a negative limit of `volume_strain` is one of compression.
 //! Thinning, of shells, is the strain through the thickness; the major strain is the largest
-//! principal strain, in shells in the plane, and e the deviator of the strain, in
-//! shells without the transverse shear. All three are of sums of the increments, in axes that turn with the material. A point fails as soon as one of
-//! them holds; its stress is zero from then on. Each criterion has the key of its name with
-//! `erosion_` before it.
+//! principal strain, in shells in the plane, and e the deviator of the strain, in shells without
+//! the transverse shear. All three are of sums of the increments, in axes that turn with the
+//! material. A point fails as soon as one of them holds; its stress is zero from then on. Each
+//! criterion has the key of its name with `erosion_` before it.
 //!
 //! With `major_strain_start` e_s the stress fades before it: a point carries the share
 //! ```text

@@ -214,7 +214,7 @@ impl DeckConverter {
             let x = self.rows.at(node)?;
             for (c, axis) in ["x", "y", "z"].into_iter().enumerate() {
                 if dofs.contains(&axis) {
-                    // A rotation about one axis moves nodes that are off the centre along the other.
+                    // A rotation about b moves nodes along c that are off the centre along d.
                     let pairs = [(1, 2), (2, 1)].map(|(b, d)| ((c + b) % 3, (c + d) % 3));
                     let turns = pairs.into_iter().filter(|&(_, d)| offset(&x, d) > 1e-6 * size);
                     fixed.extend(turns.map(|(b, _)| ["rx", "ry", "rz"][b]));

@@ -118,8 +118,8 @@ impl DeckConverter {
             "constraints of some nodes of the rigid part {id} hold its body: it is fixed in {}",
             dofs.join(", ")
         );
-        let help = "rotations that would move these nodes are fixed, too: it cannot rock about them. \
-                    Use con1 and con2 of *MAT_RIGID, or a joint, if this is not meant";
+        let help = "rotations that would move these nodes are fixed, too: it cannot rock about \
+                    them. Use con1 and con2 of *MAT_RIGID, or a joint, if this is not meant";
         self.trouble.warning(place, message, help);
         body.fixed.extend(held);
     }

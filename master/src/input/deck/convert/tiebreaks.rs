@@ -61,7 +61,7 @@ impl DeckConverter {
                 let card = TieCard { record: &record, label: &label, name, rotations, offset };
                 if let Some(mut table) = self.tie_table(card) {
                     if limits == LimitsOfTie::Automatic {
-                        // What is not tied is still in contact by this card.
+                        // Nodes that are not tied are in contact by this card.
                         table.put("may_be_empty", record.head, true);
                     }
                     let used = match failure {
