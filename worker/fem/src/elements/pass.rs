@@ -57,6 +57,13 @@ pub type GroupNodes<const C: usize, const W: usize = LANES> = [[u32; W]; C];
 /// and slot.
 pub(super) type GroupCorners<const C: usize, const W: usize> = [[[f64; 4]; C]; W];
 
+/// A group of shells: its number and nodes, its history, the mark of unstrained ones, and its
+/// forces and moments.
+type ShellGroup<'a, L, const W: usize> = (
+    (((usize, &'a GroupNodes<4, W>), &'a mut [L]), &'a mut bool),
+    (&'a mut GroupCorners<4, W>, &'a mut GroupCorners<4, W>),
+);
+
 /// Groups of a block that a pass computes, with their data.
 pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     /// Groups to compute.
@@ -374,24 +381,23 @@ impl<L> ElementPass<'_, &mut [L]> {
             .zip(states)
             .zip(&mut unstrained[range.clone()])
             .zip(force.iter_mut().zip(moment));
-        let respond = |((((index, group), state), unstrained), (force, moment)): (
-            (((usize, &_), &mut [L]), &mut bool),
-            (&mut _, &mut _),
-        )| {
-            if stays_unstrained(unstrained, group, &nodes, true) {
-                (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
-                return kernel.forceless(group, &nodes, state);
-            }
-            let mut totals = kernel.group(group, &nodes, state, dt, [&mut *force, &mut *moment]);
-            if deletion_step > 0.0 {
-                let least: L = least_steps(0.0, deletion_step, step_factors, index);
-                if L::any(totals.stable_dt.lt(least)) {
-                    let of = (kernel.section(), || magnitude(group, &nodes));
-                    delete_short(of, least, state, &mut [force, moment], &mut totals);
+        let respond =
+            |((((index, group), state), unstrained), (force, moment)): ShellGroup<'_, L, W>| {
+                if stays_unstrained(unstrained, group, &nodes, true) {
+                    (*force, *moment) = ([[[0.0; 4]; 4]; W], [[[0.0; 4]; 4]; W]);
+                    return kernel.forceless(group, &nodes, state);
                 }
-            }
-            totals
-        };
+                let mut totals =
+                    kernel.group(group, &nodes, state, dt, [&mut *force, &mut *moment]);
+                if deletion_step > 0.0 {
+                    let least: L = least_steps(0.0, deletion_step, step_factors, index);
+                    if L::any(totals.stable_dt.lt(least)) {
+                        let of = (kernel.section(), || magnitude(group, &nodes));
+                        delete_short(of, least, state, &mut [force, moment], &mut totals);
+                    }
+                }
+                totals
+            };
         total(range, count, energies, each.map(respond))
     }
 
