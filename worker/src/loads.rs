@@ -381,14 +381,13 @@ impl Loads {
             for (&(n, share), load) in d.members.iter().zip(&mut d.loads) {
                 let n = n as usize;
                 let by = damping * share * times(cycles, n, set);
-                *load = [[0.0; 4]; 2];
-                for c in 0..3 {
-                    load[0][c] = by * nodes.mass[n] * nodes.v[n][c];
-                    nodes.force[n][c] += load[0][c];
-                }
-                for c in (0..3).filter(|_| nodes.rotations) {
-                    load[1][c] = by * nodes.inertia[n] * nodes.w[n][c];
-                    nodes.moment[n][c] += load[1][c];
+                let force = xyz(&nodes.v[n]).map(|v| by * nodes.mass[n] * v);
+                (0..3).for_each(|c| nodes.force[n][c] += force[c]);
+                *load = [row(force), [0.0; 4]];
+                if nodes.rotations {
+                    let moment = xyz(&nodes.w[n]).map(|w| by * nodes.inertia[n] * w);
+                    (0..3).for_each(|c| nodes.moment[n][c] += moment[c]);
+                    load[1] = row(moment);
                 }
             }
         }
