@@ -143,12 +143,8 @@ impl DeckConverter {
             single.chain(of_sets.into_iter().map(|record| (record, "psid"))).collect();
         let mut found = Vec::new();
         for (record, field) in all {
-            let (id, place) = (record.integer(field), record.place(field));
-            let parts = match field {
-                "psid" => self.part_set(id, place),
-                _ if self.has_part(id, place) => vec![id],
-                _ => Vec::new(),
-            };
+            let place = record.place(field);
+            let parts = self.parts_named(field, record.integer(field), place);
             if !parts.is_empty() {
                 found.push((record, parts, place));
             }

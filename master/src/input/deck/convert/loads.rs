@@ -80,11 +80,7 @@ impl DeckConverter {
                 let lines: Vec<CardLine> = record.lines(field).cloned().collect();
                 for line in lines {
                     let (id, place) = (line.integer(field), line.place(field));
-                    let parts = match field {
-                        "psid" => self.part_set(id, place),
-                        _ if self.has_part(id, place) => vec![id],
-                        _ => Vec::new(),
-                    };
+                    let parts = self.parts_named(field, id, place);
                     let dof = line.integer("dof");
                     if parts.is_empty() || !(1..=3).contains(&dof) {
                         if !parts.is_empty() {

@@ -500,6 +500,16 @@ impl DeckConverter {
         false
     }
 
+    /// Returns the part of a field `pid`, or those of the set of a field `psid`; none after a
+    /// report.
+    fn parts_named(&mut self, field: &str, id: i64, place: Place) -> Vec<i64> {
+        match field {
+            "psid" => self.part_set(id, place),
+            _ if self.has_part(id, place) => vec![id],
+            _ => Vec::new(),
+        }
+    }
+
     /// Returns the name of a node set with all nodes of these parts.
     fn nodes_of_parts(&mut self, parts: &[i64]) -> String {
         let mut parts = parts.to_vec();
