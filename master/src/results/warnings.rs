@@ -21,9 +21,13 @@ pub const CREATED_CURE: &str = "Look for parts that penetrate each other at the 
                                 check` names them) or are pressed through each other; try a \
                                 smaller time.dt_max, more contact.sweeps or a smaller \
                                 contact.penalty_scale";
-/// Energy dissipated by friction of contact, or on walls, as a fraction of the largest energy so
-/// far.
-const MUCH_FRICTION: f64 = 0.1;
+/// Energy taken by friction of contact, by friction on walls, or by contact without its friction, as
+/// a fraction of the largest energy so far.
+const MUCH_TAKEN: f64 = 0.1;
+/// Cure of contact that takes energy without friction.
+const TAKEN_CURE: &str = "The first touch takes the velocity at which two nodes meet, with the \
+                          energy of their masses: less in a finer mesh. Compare a run with a finer \
+                          mesh where parts meet, or with another contact.law";
 /// Mass added by mass scaling over the mass of a part, and of the whole model.
 const MUCH_MASS: [f64; 2] = [0.1, 0.05];
 /// Stable step over that of the start.
@@ -43,6 +47,8 @@ pub enum WarningKind {
     Hourglass,
     /// Energy that contact has created: its energy is negative.
     ContactEnergy,
+    /// Energy that contact takes without friction, in impacts of nodes.
+    ContactLoss,
     /// Energy of friction of contact.
     Friction,
     /// Energy of friction on rigid walls.
@@ -154,6 +160,7 @@ impl WatchedRow<'_> {
         let Some(row) = &self.course.last else { return Vec::new() };
         let mut found = self.hourglass(row);
         found.extend(self.contact_energy(row));
+        found.extend(self.contact_loss(row));
         let e = &row.sum.energies;
         let of_contact = (WarningKind::Friction, "of contact", e.friction);
         let cure = "Compare a run with another contact.friction";
@@ -287,6 +294,20 @@ impl WatchedRow<'_> {
         (row.created > LITTLE_CREATED).then(|| self.warn_of_all(row, kind, what, at, CREATED_CURE))
     }
 
+    fn contact_loss(&self, row: &HistoryRow) -> Option<EngineeringWarning> {
+        let e = &row.sum.energies;
+        let taken = e.friction - e.contact;
+        let share = taken / self.course.most;
+        let what = format!(
+            "contact has taken an energy of {taken:.3e} without friction, {:.0} % of the largest \
+             energy so far",
+            100.0 * share
+        );
+        let (kind, at) = ((WarningKind::ContactLoss, share), &ModelPlace::default());
+        (self.course.most > 0.0 && share > MUCH_TAKEN)
+            .then(|| self.warn_of_all(row, kind, what, at, TAKEN_CURE))
+    }
+
     /// Returns a warning of the work of one kind of friction, which is largest at a place.
     fn friction(
         &self,
@@ -298,7 +319,7 @@ impl WatchedRow<'_> {
         let share = work.abs() / self.course.most;
         let (limit, has) = match work > 0.0 {
             true => (LITTLE_CREATED, "created"),
-            false => (MUCH_FRICTION, "dissipated"),
+            false => (MUCH_TAKEN, "dissipated"),
         };
         let what = format!(
             "friction {of} has {has} an energy of {:.3e}, {:.0} % of the largest energy so \
@@ -561,6 +582,7 @@ mod tests {
             row.sum.shares.parts[1].hourglass = 0.49;
             row.sum.energies.hourglass = 0.49;
             (row.sum.energies.friction, row.sum.energies.wall_friction) = (-9.0, -9.0);
+            row.sum.energies.contact = -18.0;
             (row.created, row.sum.penetration) = (0.009, 0.49);
             (row.sum.corner_left, row.sum.controlling_dt, row.sum.contact_dt) = (0.11, 0.21, 0.2);
         };
@@ -577,7 +599,7 @@ mod tests {
             x: [1.0, 2.0, 3.0],
             ..ModelPlace::default()
         };
-        let table: [(WarningKind, Change, &str, &str); 9] = [
+        let table: [(WarningKind, Change, &str, &str); 10] = [
             (
                 WarningKind::Hourglass,
                 |r| r.sum.shares.parts[1].hourglass = 0.51,
@@ -586,6 +608,7 @@ mod tests {
             ),
             (WarningKind::Hourglass, |r| r.sum.energies.hourglass = 0.51, "", "more nodes"),
             (WarningKind::ContactEnergy, |r| r.created = 0.011, "", "contact.sweeps"),
+            (WarningKind::ContactLoss, |r| r.sum.energies.contact = -11.0, "", "finer mesh"),
             (WarningKind::Friction, |r| r.sum.energies.friction = -11.0, "", "contact.friction"),
             (WarningKind::Friction, |r| r.sum.energies.friction = 1.1, "", "contact.friction"),
             (

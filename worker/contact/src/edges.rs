@@ -31,7 +31,7 @@ use crate::folds::{Edge, EdgeTable, Kind};
 use crate::friction;
 use crate::geometry::{EdgeProjection, project_edges, separation};
 use crate::kernels::{self, Vector};
-use crate::local_search::{moved, tolerated};
+use crate::local_search::{is_in_middle, moved, tolerated};
 use crate::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::reach::{ACTIVE, REACH};
 use crate::search::Search;
@@ -443,6 +443,9 @@ impl Edges {
         };
         let tolerated = tolerated(old.as_ref(), gap, moved, dt, pair.speed);
         let pair = pair.with_history(old.as_ref(), gap, tolerated);
+        if !solid && is_in_middle(&pair, thickness) {
+            return None;
+        }
         let predicted = pair.gap + dt * opening * side;
         (predicted < ACTIVE * scale).then_some(pair)
     }

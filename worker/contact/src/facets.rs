@@ -19,7 +19,7 @@
 //! here is stored, not only of own pairs, as for edges.
 
 use crate::geometry::Sphere;
-use crate::local_search::{moved, tolerated};
+use crate::local_search::{is_in_middle, moved, tolerated};
 use crate::overlap::{Overlap, Plane, ProjectedSegment};
 use crate::pairs::{Pair, PairHistory, PairKey};
 use crate::reach::{ACTIVE, BEHIND, REACH};
@@ -547,6 +547,8 @@ impl FacetPairGeometry<'_> {
             ..Pair::new(name, met.id, [i, j, k, l, p, q, r, s])
         };
         let tolerated = tolerated(old.as_ref(), overlap.gap, moved, dt, speed);
-        Some(pair.with_history(old.as_ref(), overlap.gap, tolerated))
+        let pair = pair.with_history(old.as_ref(), overlap.gap, tolerated);
+        let is_side_known = solid || old.is_some();
+        (is_side_known || !is_in_middle(&pair, self.thickness)).then_some(pair)
     }
 }

@@ -167,6 +167,18 @@ pub(super) fn tolerated(
     ((old.tolerated + RELAX * speed * dt).min(0.0) + jump).max(gap.min(0.0))
 }
 
+/// Returns true if a pair of shells or beams tolerates a penetration up to the middle surface, so
+/// that only its history can tell the side on which the slave belongs. Without history, of two
+/// nodes in the same place each could be held above the segments of the other, and the two forces
+/// would grow without bound. `thickness` is the distance of the middle surfaces at which they touch
+/// [length].
+pub(super) fn is_in_middle(pair: &Pair, thickness: f64) -> bool {
+    /// Tolerated penetration as a fraction of the thickness. It is that at which the normal of a
+    /// shell's rim begins to turn with the node ([`shell_frame`]).
+    const MIDDLE: f64 = 0.95;
+    thickness > 0.0 && -pair.tolerated_gap >= MIDDLE * thickness
+}
+
 /// Returns the largest distance by which nodes of a pair may have approached one of them in a
 /// step like the last one [length]. `scale` is the contact thickness of the pair [length].
 pub(super) fn moved(
@@ -406,18 +418,14 @@ fn evaluate_pair(
         }
         false => (impact, 0.0),
     };
-    let pair = geometry.pair(nodes, surface, normal, side);
+    let pair = geometry.pair(nodes, surface, normal, side).with_history(old, gap, tolerated);
+    // Its history tells the side of a node above the inside of a segment.
+    let is_side_known = segment.is_solid() || (old.is_some() && !geometry.near.rim);
+    if !is_side_known && is_in_middle(&pair, thickness) {
+        return None;
+    }
     let is_line = surface.has_lines && segment.is_line();
-    Some(PairCandidate {
-        pair: pair.with_history(old, gap, tolerated),
-        impact,
-        opposition,
-        opening,
-        apart,
-        thickness,
-        is_line,
-        gap,
-    })
+    Some(PairCandidate { pair, impact, opposition, opening, apart, thickness, is_line, gap })
 }
 
 #[cfg(test)]

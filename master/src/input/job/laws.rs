@@ -212,7 +212,8 @@ pub fn penetrations(initial: &InitialPenetrations) -> Vec<Problem> {
         Some(Problem::warning("contact", message, help))
     };
     let kept = "otherwise these penetrations are tolerated without force, and contact acts from \
-                that depth on";
+                that depth on; a node in the middle of a shell has no contact with it until it has \
+                left the middle";
     let never = "otherwise the parts pass through each other there";
     let seen = warn(&seen, "the thickness of shells, beams, or other solids", kept);
     let unseen = warn(&unseen, "other solids, too deep for contact to detect", never);

@@ -601,6 +601,42 @@ fn a_node_that_is_deep_keeps_its_side_on_the_next_segment_and_for_some_steps() {
     assert!(side(60, 0.9) < 0.0, "lost for sixty steps: a new pair, below");
 }
 
+/// Two squares that meet along an edge, with nodes of their own there in the same places. No force
+/// holds these nodes together. When they have left each other's middle surface, contact keeps
+/// their order.
+#[test]
+fn nodes_in_one_place_are_free_until_they_have_parted() {
+    const SPEED: f64 = 1.0;
+    // The penalty stiffness of the material is too small to stop these masses.
+    for (name, of) in all_laws().into_iter().filter(|(_, of)| !is_stiff(of)) {
+        let square = |from: f64, edge: [f64; 2]| {
+            [[from, 0.0], [from + 1.0, 0.0], [from + 1.0, 1.0], [from, 1.0]].map(|[x, y]| {
+                let meets = x == 1.0;
+                let z = edge[0] * (x - 1.0).abs();
+                mass([x, y, z], [0.0, 0.0, if meets { edge[1] } else { 0.0 }], 1.0)
+            })
+        };
+        // The squares are inclined, so that a normal along one is not along the other.
+        let points = [square(0.0, [0.1, SPEED]), square(1.0, [0.3, -SPEED])].concat();
+        let mut scene =
+            Scene::new(&of, &points, &[[0, 1, 2, 3], [4, 5, 6, 7]], &[1, 2, 4, 7], 1e-3);
+        let apart = |scene: &Scene| [(1, 4), (2, 7)].map(|(a, b)| scene.x(a).z - scene.x(b).z);
+        while apart(&scene)[0] < 0.5 * THICK {
+            scene.step();
+            for (a, _) in [(1, 4), (2, 7)] {
+                assert_eq!(scene.v(a).z, SPEED, "{name}: a force on node {a}");
+            }
+        }
+        for (a, b) in [(1, 4), (2, 7)] {
+            (scene.nodes.v[a][2], scene.nodes.v[b][2]) = (-SPEED, SPEED);
+        }
+        for _ in 0..100 {
+            scene.step();
+            assert!(apart(&scene).iter().all(|z| *z > 0.0), "{name}: {:?}", apart(&scene));
+        }
+    }
+}
+
 /// The table has the name of each law once.
 #[test]
 fn the_table_of_laws_has_all() {
