@@ -106,6 +106,24 @@ impl Course {
         let last = self.last.as_ref().map_or(0, |row| row.sum.cycle);
         last <= MOST && self.swings_from.is_none_or(|from| from <= last)
     }
+
+    /// Appends a row.
+    fn push(&mut self, row: HistoryRow) {
+        let from = self.swings_from.unwrap_or(row.sum.cycle);
+        self.swings_from = (row.swing > MUCH_SWING).then_some(from);
+        self.first.get_or_insert_with(|| row.clone());
+        self.last = Some(row);
+    }
+
+    /// Returns true if velocities oscillate more than in a stable motion, and much in the row
+    /// before too: a load that begins suddenly changes them much in one step. For steps
+    /// `above_limit` it also returns true if the last rows have had much energy in oscillations for
+    /// longer than a rebound.
+    pub fn swings_on(&self, above_limit: bool) -> bool {
+        let Some(last) = &self.last else { return false };
+        let cycles = self.swings_from.map_or(0, |from| last.sum.cycle - from);
+        (above_limit && cycles >= TURNING) || (cycles > 0 && last.swing > MOST_SWING)
+    }
 }
 
 /// The history of a run.
@@ -127,6 +145,16 @@ pub struct History {
     subcycled: bool,
     /// Work of contact that counts as zero [energy].
     round_off: f64,
+}
+
+/// Returns the error of an energy balance over the energy that came in; infinity if the balance is
+/// not a number, 0 if no energy came in [-].
+fn relative_error(balance: f64, came_in: f64) -> f64 {
+    match (balance.is_nan(), came_in > 0.0) {
+        (true, _) => f64::INFINITY,
+        (false, true) => balance / came_in,
+        (false, false) => 0.0,
+    }
 }
 
 /// Fraction of the energy in oscillations that a step above the stability limit soon reaches and
@@ -264,15 +292,6 @@ impl History {
         })
     }
 
-    /// Returns true if velocities oscillate more than in a stable motion. For steps `above_limit`
-    /// it also returns true if the last rows have had much energy in oscillations for longer than
-    /// a rebound.
-    pub fn swings_on(&self, above_limit: bool) -> bool {
-        let Some(last) = &self.course.last else { return false };
-        let long = self.course.swings_from.is_some_and(|from| last.sum.cycle - from >= TURNING);
-        (above_limit && long) || last.swing > MOST_SWING
-    }
-
     /// Adds a worker's contribution, and writes the row when it is complete.
     ///
     /// # Errors
@@ -296,7 +315,7 @@ impl History {
         self.course.most_came_in =
             if self.subcycled { self.course.most_came_in.max(came_in) } else { came_in };
         let came_in = self.course.most_came_in;
-        let error = if came_in > 0.0 { sum.energies.balance(initial) / came_in } else { 0.0 };
+        let error = relative_error(sum.energies.balance(initial), came_in);
         let there = sum.energies.supplied(initial).max(sum.energies.internal);
         let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };
         self.course.worst_error = self.course.worst_error.max(error.abs());
@@ -307,13 +326,10 @@ impl History {
         let created = created(e.contact, self.course.most, self.round_off);
         self.course.worst_created = self.course.worst_created.max(created);
         let row = HistoryRow { sum, error, swing, created };
-        let swings_from = self.course.swings_from.unwrap_or(row.sum.cycle);
-        self.course.swings_from = (swing > MUCH_SWING).then_some(swings_from);
         self.check_files()?;
         self.write(&row, extras)?;
         self.kinds.write(&row.sum)?;
-        self.course.first.get_or_insert_with(|| row.clone());
-        self.course.last = Some(row);
+        self.course.push(row);
         Ok(())
     }
 
@@ -410,5 +426,36 @@ mod tests {
         assert_eq!(created(1e-10, 1e-10, 1e-9), 0.0, "next to nothing moves");
         assert_eq!(created(0.5, 10.0, 1e-9), 0.05);
         assert_eq!(created(2.0, 1.0, 1e-9), 1.0, "all of it");
+    }
+
+    #[test]
+    fn energies_that_are_not_numbers_have_no_small_error() {
+        assert_eq!(relative_error(0.5, 10.0), 0.05);
+        assert_eq!(relative_error(0.5, 0.0), 0.0, "no energy");
+        assert_eq!(
+            [0.0, 10.0].map(|came_in| relative_error(f64::NAN, came_in)),
+            [f64::INFINITY; 2]
+        );
+    }
+
+    /// Rows with these energies in oscillations, one each ten cycles.
+    fn swings_on(swings: &[f64], above_limit: bool) -> bool {
+        let mut course = Course::default();
+        for (cycle, &swing) in (0..).step_by(10).zip(swings) {
+            let mut row = HistoryRow { swing, ..HistoryRow::default() };
+            row.sum.cycle = cycle;
+            course.push(row);
+        }
+        course.swings_on(above_limit)
+    }
+
+    #[test]
+    fn a_sudden_load_is_no_unstable_step() {
+        assert!(!swings_on(&[0.0, 200.0], false), "it begins");
+        assert!(!swings_on(&[0.0, 200.0, 0.7], false), "the step after");
+        assert!(swings_on(&[0.0, 0.2, 3.0], false), "more from row to row");
+        assert!(!swings_on(&[0.2; 5], true), "a rebound");
+        assert!(swings_on(&[0.2; 6], true), "longer than a rebound");
+        assert!(!swings_on(&[0.2; 6], false), "below the limit");
     }
 }

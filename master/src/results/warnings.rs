@@ -21,13 +21,13 @@ pub const CREATED_CURE: &str = "Look for parts that penetrate each other at the 
                                 check` names them) or are pressed through each other; try a \
                                 smaller time.dt_max, more contact.sweeps or a smaller \
                                 contact.penalty_scale";
-/// Energy taken by friction of contact, by friction on walls, or by contact without its friction, as
-/// a fraction of the largest energy so far.
+/// Energy taken by friction of contact, by friction on walls, or by contact without its friction,
+/// as a fraction of the largest energy so far.
 const MUCH_TAKEN: f64 = 0.1;
 /// Cure of contact that takes energy without friction.
 const TAKEN_CURE: &str = "The first touch takes the velocity at which two nodes meet, with the \
-                          energy of their masses: less in a finer mesh. Compare a run with a finer \
-                          mesh where parts meet, or with another contact.law";
+                          energy of their masses: less in a finer mesh. Compare a run with a \
+                          finer mesh where parts meet, or with another contact.law";
 /// Mass added by mass scaling over the mass of a part, and of the whole model.
 const MUCH_MASS: [f64; 2] = [0.1, 0.05];
 /// Stable step over that of the start.

@@ -62,6 +62,9 @@ fn cards_become_an_explosion() {
     };
     let (loads, burst, resolved) = of(&enhanced);
     assert_eq!((loads, burst), (vec![1.0, 1.0], Burst::Air));
+    // A factor of zero is its default.
+    let zero = model_of(&plate(&enhanced.replace(ON_SET, "*LOAD_BLAST_SEGMENT_SET\n3,7,0,0,0\n")));
+    assert_eq!(zero.job.pressure[0].pressure, 1.0);
     // Grams, and MPa.
     assert!((resolved.mass - 2e-3).abs() < 1e-15 && !resolved.on_ground && resolved.suction);
     assert!((resolved.si[2] / 1e6 - 1.0).abs() < 1e-12, "{:?}", resolved.si);

@@ -215,6 +215,41 @@ fn exported_contacts_are_read_as_they_were() {
     assert_eq!(numbers(&job), numbers(&model_of(&twice.replace("*END\n", ""))), "exported twice");
 }
 
+/// A side without a given contact thickness has that of its shells; solids have none.
+#[test]
+fn a_thickness_of_one_side_leaves_that_of_the_other() {
+    let deck = |solid: bool, card: &str| {
+        let sections = if solid { "*SECTION_SOLID\n1,1\n" } else { "*SECTION_SHELL\n1,2\n0.4\n" };
+        let element = if solid {
+            "*ELEMENT_SOLID\n1,1,1,2,3,4,5,6,7,8\n"
+        } else {
+            "*ELEMENT_SHELL\n1,1,1,2,3,4\n5,1,5,6,7,8\n"
+        };
+        format!(
+            "*KEYWORD\n*CONTROL_TERMINATION\n0.004\n*PART\none\n1,1,1\n*PART\nother\n2,2,1\n\
+             {sections}*SECTION_SHELL\n2,2\n1.0\n*MAT_ELASTIC\n1,7.85e-6,207.0,0.3\n\
+             *NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n\
+             8,0,10,10\n11,0,0,20\n12,10,0,20\n13,10,10,20\n14,0,10,20\n{element}\
+             *ELEMENT_SHELL\n9,2,11,12,13,14\n*CONTACT_AUTOMATIC_SURFACE_TO_SURFACE\n1,2,3,3\n0.1\n\
+             1,1,{card}\n"
+        )
+    };
+    let thickness =
+        |solid: bool, card: &str| model_of(&deck(solid, card)).job.contact.unwrap().thickness;
+    assert_eq!(thickness(true, "0,0.6"), Some(0.6), "solids");
+    assert_eq!(thickness(false, "0,0.6"), Some(0.5), "shells of 0.4");
+    assert_eq!(thickness(false, "0.6,0"), Some(0.8), "shells of 1.0 on the other side");
+    assert_eq!(thickness(false, "0.6,0.2"), Some(0.4));
+    assert_refused(&deck(false, "-0.6,0"), &["give a thickness above 0"]);
+    let differ = deck(false, "0,0.6").replace(
+        "*ELEMENT_SHELL\n9,2",
+        "*PART\nthird\n3,3,1\n*SECTION_SHELL\n3,2\n0.7\n*SET_PART_LIST\n5\n1,3\n*ELEMENT_SHELL\n\
+         7,3,5,6,7,8\n9,2",
+    );
+    let differ = differ.replace("1,2,3,3", "5,2,2,3").replace("5,1,5,6,7,8\n", "");
+    assert_refused(&differ, &["shells of the other side differ"]);
+}
+
 /// The tools of a forming contact have no thickness, or that of sbst: a sheet that falls onto a
 /// fixed tool comes as near as half of its own thickness, and half of sbst.
 #[test]

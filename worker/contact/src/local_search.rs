@@ -168,7 +168,7 @@ pub(super) fn tolerated(
 }
 
 /// Returns true if a pair of shells or beams tolerates a penetration up to the middle surface, so
-/// that only its history can tell the side on which the slave belongs. Without history, of two
+/// that only its history has the side on which the slave belongs. Without history, of two
 /// nodes in the same place each could be held above the segments of the other, and the two forces
 /// would grow without bound. `thickness` is the distance of the middle surfaces at which they touch
 /// [length].
@@ -419,7 +419,7 @@ fn evaluate_pair(
         false => (impact, 0.0),
     };
     let pair = geometry.pair(nodes, surface, normal, side).with_history(old, gap, tolerated);
-    // Its history tells the side of a node above the inside of a segment.
+    // A node above the inside of a segment has its side in its history.
     let is_side_known = segment.is_solid() || (old.is_some() && !geometry.near.rim);
     if !is_side_known && is_in_middle(&pair, thickness) {
         return None;

@@ -65,9 +65,11 @@ impl Control<'_> {
     /// of the two criteria.
     pub(super) fn watch_energy(&mut self) {
         let Some(row) = self.history.course.last.as_ref() else { return };
-        let what = if row.error.abs() > MOST_ENERGY_ERROR {
+        let what = if row.error.is_infinite() {
+            "the energies are not numbers".into()
+        } else if row.error.abs() > MOST_ENERGY_ERROR {
             format!("the error of the energy balance is {:.0} %", 100.0 * row.error)
-        } else if self.history.swings_on(self.model.settings.safety > 1.0) {
+        } else if self.history.course.swings_on(self.model.settings.safety > 1.0) {
             format!(
                 "the step is unstable: velocities oscillate from step to step with {:.0} % of the \
                  energy",

@@ -1,6 +1,6 @@
 //! Keywords of Radioss and the job that they become.
 
-use super::{deck, mesh, model, moves, properties, reading, said, steel, with};
+use super::{card, deck, mesh, model, moves, properties, reading, said, steel, with};
 use crumple::input::job::Model;
 use crumple_proto::mesh::Shape;
 
@@ -322,10 +322,23 @@ fn a_main_node_stands_for_its_body() {
         =drive
         i1 wZ i0 i0 i3
         r0 r-2
+        /IMPVEL/2
+        =after the end of the run
+        i1 wX i0 i0 i3
+        r0 r-2 r10
+        /CLOAD/1
+        =pull
+        i1 wY i0 i0 i3 _ r1 r0.25
         /BCS/1
         =held";
-    let model = model(&(with(lines) + "   110 001         0         3\n"));
+    let deck = with(lines) + "   110 001         0         3\n";
+    let model = model(&deck);
     let body = &model.job.rigid[0];
+    let [of_body, of_node] = [&body.load[0].force, &model.job.load[0].force];
+    assert_eq!([of_body, of_node], [&[0.0, 0.25, 0.0]; 2], "on body and corner");
+    let kept = deck.replace(&card("i90 i0 i0 i0 r2.5 i2"), &card("i90 i0 i0 i0 r2.5 i2 i0 i3"));
+    let refused = reading(&kept, &[]).err().expect("a lever");
+    assert!(refused.contains("not at the centre of the body"), "{refused}");
     assert_eq!((body.name.as_str(), &body.parts[..], &body.nodes), ("the cube", &[2][..], &None));
     assert_eq!(model.job.mass[0].mass, 2.5, "of the main node");
     assert_eq!(body.fixed, ["rz", "x", "y"]);
@@ -524,6 +537,25 @@ fn other_elements_have_their_properties() {
     assert!(said(&model).contains("negative volume"), "the tetrahedron is turned");
 }
 
+/// A smooth function is a curve with points on its steps.
+#[test]
+fn smooth_functions_are_curves() {
+    let lines = "/FUNCT_SMOOTH/1
+        =step
+        r0 r0 r0 r1
+        r0 r0
+        r2 r8
+        /GRNOD/NODE/1
+        =one
+        i11
+        /CLOAD/1
+        =pull
+        i1 wY i0 i0 i1 _ r1 r0.25";
+    let points = model(&with(lines)).job.curve[0].points.clone();
+    let at = |t: f64| points.iter().find(|p| p[0] == t).map(|p| p[1]);
+    assert_eq!([at(0.0), at(1.0), at(2.0), at(4.0)], [1.0, 5.0, 9.0, 9.0].map(Some));
+}
+
 /// The keywords of the engine set the run.
 #[test]
 fn the_engine_file_sets_the_run() {
@@ -533,12 +565,15 @@ fn the_engine_file_sets_the_run() {
          /PRINT/-10\n/END/ENGINE",
         1,
     );
-    let model = model(&text);
-    assert_eq!(model.job.output.history_interval, 0.25);
-    assert_eq!(model.job.output.field_interval, 2.5);
-    let time = &model.job.time;
-    assert_eq!((time.safety, time.mass_scaling_dt, time.dt_max), (0.5, 2e-4, 0.125));
-    let said = said(&model);
+    // The line that ends the keywords of the engine may be left out.
+    for text in [&text.replace("/END/ENGINE\n", ""), &text] {
+        let model = model(text);
+        assert_eq!(model.job.output.history_interval, 0.25);
+        assert_eq!(model.job.output.field_interval, 2.5);
+        let time = &model.job.time;
+        assert_eq!((time.safety, time.mass_scaling_dt, time.dt_max), (0.5, 2e-4, 0.125));
+    }
+    let said = said(&model(&text));
     for part in ["/PRINT is not read", "the smallest, 0.5, for all", "without a limit"] {
         assert!(said.contains(part), "{part}\n{said}");
     }

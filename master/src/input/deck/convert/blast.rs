@@ -4,7 +4,7 @@ use super::DeckConverter;
 use super::motion::NEVER;
 use super::segments::DeckSegment;
 use super::tree::JobTable;
-use crate::input::deck::record::CardRecord;
+use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
 
@@ -138,7 +138,7 @@ impl DeckConverter {
         let mut loads: Vec<(i64, f64, Place, Vec<DeckSegment>)> = Vec::new();
         for record in self.take_records("LOAD_BLAST_SEGMENT") {
             for line in record.lines("bid") {
-                let (bid, scale, place) = (line.integer("bid"), line.real("scalep"), line.place);
+                let (bid, scale, place) = (line.integer("bid"), blast_scale(line), line.place);
                 let face = vec![super::segments::segment(line)];
                 match loads.iter_mut().find(|load| load.0 == bid && load.1 == scale) {
                     Some(load) => load.3.extend(face),
@@ -154,9 +154,14 @@ impl DeckConverter {
                     self.missing(line.place("ssid"), "*SET_SEGMENT", ssid, &known);
                     continue;
                 };
-                loads.push((line.integer("bid"), line.real("scalep"), line.place, set));
+                loads.push((line.integer("bid"), blast_scale(line), line.place, set));
             }
         }
         loads
     }
+}
+
+/// Returns the factor of the pressure on a segment or a set. Zero is its default, 1.
+fn blast_scale(line: &CardLine) -> f64 {
+    Some(line.real("scalep")).filter(|&scale| scale != 0.0).unwrap_or(1.0)
 }

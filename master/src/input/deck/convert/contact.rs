@@ -454,22 +454,39 @@ impl DeckConverter {
     }
 
     /// Converts the contact thickness, given directly or by a factor. For two surfaces the mean
-    /// is used.
+    /// is used. A side without a given thickness has that of its shells.
     fn thickness(&mut self, record: &CardRecord, name: &str, single: bool, table: &mut JobTable) {
-        let [a, b] = ["sast", "sbst"].map(|field| record.real(field));
-        let b = if single { a } else { b };
-        if a > 0.0 && b > 0.0 {
+        let given = ["sast", "sbst"].map(|field| record.real(field));
+        let [a, b] = if single { [given[0]; 2] } else { given };
+        if a < 0.0 || b < 0.0 {
+            let field = if a < 0.0 { "sast" } else { "sbst" };
+            self.unsupported_value(record, field, "give a thickness above 0");
+        } else if a > 0.0 && b > 0.0 {
             table.put("thickness", record.place("sast"), 0.5 * (a + b));
             if a != b {
-                self.map(
-                    name,
-                    format!("thicknesses {a} and {b}"),
-                    format!("thickness {}", 0.5 * (a + b)),
-                );
+                let used = format!("thickness {}", 0.5 * (a + b));
+                self.map(name, format!("thicknesses {a} and {b}"), used);
             }
-        } else if a != 0.0 || b != 0.0 {
-            let field = if a != 0.0 { "sast" } else { "sbst" };
-            self.unsupported_value(record, field, "give a thickness above 0 for both sides");
+        } else if a > 0.0 || b > 0.0 {
+            let (field, value, other) =
+                if a > 0.0 { ("sast", a, "against") } else { ("sbst", b, "parts") };
+            let parts =
+                table.integers(other).unwrap_or_else(|| self.parts.keys().copied().collect());
+            match self.shell_thicknesses(&parts)[..] {
+                // Solids have no thickness in contact.
+                [] => table.put("thickness", record.place(field), value),
+                [own] => {
+                    let used = 0.5 * (value + own);
+                    table.put("thickness", record.place(field), used);
+                    let asked = format!("{field} {value}, shells of {own} on the other side");
+                    self.map(name, asked, format!("thickness {used}"));
+                }
+                _ => {
+                    let why = "give both sides a thickness: shells of the other side differ in \
+                               thickness";
+                    self.unsupported_value(record, field, why);
+                }
+            }
         }
         let factor = |field| {
             if record.is_blank(field) || record.real(field) == 0.0 {
@@ -484,6 +501,19 @@ impl DeckConverter {
         } else if fa != 1.0 {
             table.put("thickness_scale", record.place("sfsat"), fa);
         }
+    }
+
+    /// Returns the different thicknesses of the shells of some parts [length].
+    fn shell_thicknesses(&mut self, parts: &[i64]) -> Vec<f64> {
+        let mut all: Vec<f64> = Vec::new();
+        for part in parts {
+            let thickness = self.tree.part(*part).and_then(|keys| keys.get("thickness"));
+            match thickness.map(|entry| &entry.node.kind) {
+                Some(&NodeContent::Float(value)) if !all.contains(&value) => all.push(value),
+                _ => {}
+            }
+        }
+        all
     }
 
     /// Gives the tools of a forming contact, the shells of surfb, the thickness of sbst: their mesh

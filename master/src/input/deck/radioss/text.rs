@@ -6,6 +6,7 @@
 //! the named file. Text before the first keyword and after `/END` in its file is ignored.
 
 use crate::input::deck::fields::CardFormat;
+use crate::input::deck::radioss::keywords;
 use crate::input::deck::text::{DeckReader, KeywordBlock, Texts, copy_fragment, lines};
 use crate::input::deck::{diagnostics::Trouble, number};
 use crate::input::job::tree::Place;
@@ -178,6 +179,8 @@ fn begin(line: &[u8], file: u32, head: (u32, u32), format: CardFormat) -> Keywor
         at = part_end + 1;
     }
     let tail = (head.0 + at.min(line.len()) as u32, head.1);
+    // A starter file may have them without the line that ends them.
+    let format = if keywords::is_of_engine(&name) { CardFormat::Words } else { format };
     KeywordBlock { file, number: 0, head, name, format, lines: vec![tail], submodel: 0 }
 }
 

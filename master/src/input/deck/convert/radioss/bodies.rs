@@ -6,7 +6,7 @@ use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 const TRANSLATIONS: [&str; 3] = ["x", "y", "z"];
 const ROTATIONS: [&str; 3] = ["rx", "ry", "rz"];
@@ -30,6 +30,10 @@ pub struct StarterBody {
     pub in_walls: bool,
     /// Mass that is added to it [mass].
     pub mass: f64,
+    /// Forces and moments on it.
+    pub loads: Vec<JobTable>,
+    /// True if the main node stays where it is, and does not move to the centre of the body.
+    pub keeps_main: bool,
 }
 
 impl StarterConverter {
@@ -58,8 +62,20 @@ impl StarterConverter {
             let fixed = BTreeSet::new();
             let mass = if is_link { 0.0 } else { record.real("mass") };
             let in_walls = is_link || record.integer("ikrem") == 1;
+            let keeps_main = !is_link && record.integer("icog") > 2;
             let place = record.head;
-            let body = StarterBody { name, nodes, fixed, place, order, set: None, in_walls, mass };
+            let body = StarterBody {
+                name,
+                nodes,
+                fixed,
+                place,
+                order,
+                set: None,
+                in_walls,
+                mass,
+                loads: Vec::new(),
+                keeps_main,
+            };
             if self.mains.insert(main, body).is_some() {
                 let message = format!("node {} is the main node of two bodies", main.label());
                 let help = "give each body its own main node";
@@ -179,6 +195,11 @@ impl StarterConverter {
 
     /// Adds the bodies to the job.
     pub(super) fn put_bodies(&mut self) {
+        let mut loads: BTreeMap<usize, Vec<JobTable>> = self
+            .mains
+            .values_mut()
+            .map(|body| (body.order, std::mem::take(&mut body.loads)))
+            .collect();
         let mut bodies: Vec<_> = self.mains.values().collect();
         bodies.sort_by_key(|body| body.order);
         let mut tables = Vec::new();
@@ -198,6 +219,9 @@ impl StarterConverter {
             let set = (!rest.is_empty()).then(|| (format!("{} nodes", body.name), rest));
             if !body.fixed.is_empty() {
                 table.put("fixed", place, body.fixed.iter().copied().collect::<Vec<_>>());
+            }
+            if let Some(loads) = loads.remove(&body.order).filter(|loads| !loads.is_empty()) {
+                table.put("load", place, loads);
             }
             tables.push((table, set, place));
         }

@@ -1,6 +1,7 @@
 //! Converts functions, boxes and systems.
 
 use super::StarterConverter;
+use super::motion::or_one;
 use crate::input::deck::convert::curves::DeckCurve;
 use crate::input::deck::convert::space::{cross, unit};
 use crate::input::deck::convert::tree::JobTable;
@@ -10,18 +11,30 @@ use crate::input::job::tree::Place;
 
 impl StarterConverter {
     pub(super) fn functions(&mut self) {
-        for record in self.take(&["/FUNCT"]) {
-            let (id, place) = (record.integer("id"), record.place("id"));
+        for record in self.take(&["/FUNCT", "/FUNCT_SMOOTH"]) {
+            let (id, place, name) = (record.integer("id"), record.place("id"), record.name());
             let point = |line: &CardLine| [line.real("x"), line.real("y")];
-            let points: Vec<[f64; 2]> = record.lines("x").map(point).collect();
-            let lines = record.lines("x").map(|line| line.place).collect();
+            let mut points: Vec<[f64; 2]> = record.lines("x").map(point).collect();
+            let mut lines: Vec<Place> = record.lines("x").map(|line| line.place).collect();
             if points.is_empty() {
                 let help = "give abscissa and ordinate, twenty columns each, one point per line";
-                self.deck.trouble.error(place, format!("/FUNCT/{id} has no points"), help);
+                self.deck.trouble.error(place, format!("{name}/{id} has no points"), help);
+            }
+            if record.row.keyword.name == "/FUNCT_SMOOTH" {
+                let [x, y] = ["ascalex", "fscaley"].map(|field| or_one(record.real(field)));
+                let [right, up] = ["ashiftx", "fshifty"].map(|field| record.real(field));
+                points.iter_mut().for_each(|p| *p = [x * p[0] + right, y * p[1] + up]);
+                // Points in another order are reported as those of other functions.
+                if points.is_sorted_by(|a, b| a[0] < b[0]) {
+                    points = smooth_steps(&points);
+                    lines = vec![place; points.len()];
+                    let used = format!("{STEPS} straight lines for each step");
+                    self.deck.map(format!("{name}/{id}"), "smooth steps", used);
+                }
             }
             let curve = DeckCurve::new(points, place, lines);
             if self.deck.curves.insert(id, curve).is_some() {
-                self.twice("/FUNCT", id, place);
+                self.twice(&name, id, place);
             }
         }
     }
@@ -148,11 +161,45 @@ fn extended(mut points: Vec<[f64; 2]>, end: f64) -> Vec<[f64; 2]> {
     points
 }
 
+/// Number of straight lines for a smooth step. They deviate from it by at most
+/// `10 / sqrt(3) / (8 STEPS^2)` of its height, 2e-4.
+const STEPS: usize = 64;
+
+/// Returns points on the smooth steps `10 s^3 - 15 s^4 + 6 s^5` between given points, and a point
+/// on either side with the value there, so that the function is constant beyond them (Radioss
+/// reference guide, /FUNCT_SMOOTH).
+fn smooth_steps(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let [Some(&first), Some(&last)] = [points.first(), points.last()] else { return Vec::new() };
+    let width = if last[0] > first[0] { last[0] - first[0] } else { 1.0 };
+    let mut all = vec![[first[0] - width, first[1]], first];
+    for pair in points.windows(2) {
+        let [from, to] = [pair[0], pair[1]];
+        all.extend((1..=STEPS).map(|i| {
+            let s = i as f64 / STEPS as f64;
+            let rise = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+            [from[0] + s * (to[0] - from[0]), from[1] + rise * (to[1] - from[1])]
+        }));
+    }
+    all.push([last[0] + width, last[1]]);
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// A function goes on with its slopes beyond its points; a constant one needs no points.
+    #[test]
+    fn smooth_steps_have_their_values_and_are_constant_beyond() {
+        let all = smooth_steps(&[[0.0, 0.0], [2.0, 60.0], [4.0, 20.0]]);
+        assert_eq!((all.len(), all[0], all[1]), (2 * STEPS + 3, [-4.0, 0.0], [0.0, 0.0]));
+        let at = |x: f64| all.iter().find(|p| p[0] == x).unwrap()[1];
+        assert_eq!([at(1.0), at(2.0), at(3.0), at(4.0), at(8.0)], [30.0, 60.0, 40.0, 20.0, 20.0]);
+        // 10/64 - 15/256 + 6/1024
+        assert_eq!(at(0.5), 60.0 * 0.103515625);
+        assert_eq!(smooth_steps(&[[1.0, 3.0]]), [[0.0, 3.0], [1.0, 3.0], [2.0, 3.0]]);
+    }
+
     #[test]
     fn functions_continue_with_their_slopes() {
         let ramp = vec![[1.0, 2.0], [2.0, 4.0]];

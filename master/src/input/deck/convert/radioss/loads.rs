@@ -20,18 +20,24 @@ impl StarterConverter {
             let Some((dof, amount, curve)) = self.direction(&record, &line) else { continue };
             let Some(set) = self.deck.node_set(grnod, place) else { continue };
             let nodes = self.deck.node_sets[&grnod].0.clone();
-            self.warn_of_mains(&record, &nodes);
+            let (key, axis) = if dof < 3 { ("force", dof) } else { ("moment", dof - 3) };
+            let table = |of: JobTable, count: usize| {
+                let mut value = [0.0; 3];
+                value[axis] = amount * count as f64;
+                of.with(key, line.place("fscale"), value).with(
+                    "curve",
+                    line.place("fct"),
+                    curve.as_str(),
+                )
+            };
+            let mains = self.load_bodies(&record, &nodes, |of| table(of, 1));
             // A deck loads each node; a job divides a force among the nodes with elements.
             let used = self.used_nodes();
             let count = nodes.iter().filter(|n| used.contains(n)).count();
-            let (key, axis) = if dof < 3 { ("force", dof) } else { ("moment", dof - 3) };
-            let mut value = [0.0; 3];
-            value[axis] = amount * count as f64;
-            let table = JobTable::new(record.head)
-                .with("nodes", place, set)
-                .with(key, line.place("fscale"), value)
-                .with("curve", line.place("fct"), curve);
-            self.deck.add("load", table);
+            if count > 0 || mains == 0 {
+                let of = JobTable::new(record.head).with("nodes", place, set);
+                self.deck.add("load", table(of, count));
+            }
         }
         for record in self.take(&["/GRAV"]) {
             let Some(line) = record.line("fct").cloned() else { continue };
@@ -52,17 +58,31 @@ impl StarterConverter {
         }
     }
 
-    /// Warns of forces on main nodes, which are no part of the model.
-    fn warn_of_mains(&mut self, record: &CardRecord, nodes: &[NodeId]) {
-        let lost = nodes.iter().find(|n| self.mains.contains_key(n) && !self.used.contains(n));
-        if let Some(node) = lost {
-            let message = format!(
-                "{}: a force on node {}, the main node of a body, is not supported",
-                record.name(),
-                node.label()
-            );
-            self.deck.unsupported(record.place("grnod"), message, "/CLOAD on a body".into());
+    /// Adds a load to the bodies whose main nodes are among these and in no element. Returns the
+    /// number of bodies.
+    fn load_bodies(
+        &mut self,
+        record: &CardRecord,
+        nodes: &[NodeId],
+        load: impl Fn(JobTable) -> JobTable,
+    ) -> usize {
+        self.used_nodes();
+        let mut count = 0;
+        for node in nodes.iter().filter(|n| !self.used.contains(n)) {
+            let Some(body) = self.mains.get_mut(node) else { continue };
+            count += 1;
+            body.loads.push(load(JobTable::new(record.head)));
+            let name = format!("{}/{}", record.name(), record.integer("id"));
+            let asked = format!("load on node {}, the main node of {}", node.label(), body.name);
+            if body.keeps_main {
+                let message = format!("{name}: {asked}, which is not at the centre of the body");
+                let what = "/CLOAD on a body with icog 3 or 4".into();
+                self.deck.unsupported(record.place("grnod"), message, what);
+            } else {
+                self.deck.map(name, asked, "at the centre of mass of the body");
+            }
         }
+        count
     }
 
     /// Reports gravity on some nodes only.

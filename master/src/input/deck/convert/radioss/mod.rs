@@ -120,12 +120,12 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.find_wall_nodes();
     b.bodies();
     b.fix();
+    b.loads();
     b.put_bodies();
     b.deck.fixes();
     b.motions();
     b.initial_velocities();
     b.masses();
-    b.loads();
     b.pressures();
     b.walls();
     b.contacts();

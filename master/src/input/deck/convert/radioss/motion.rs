@@ -32,7 +32,9 @@ impl StarterConverter {
             let Some(line) = record.line("fct").cloned() else { continue };
             let (grnod, place) = (record.integer("grnod"), record.place("grnod"));
             self.only_plain(&record);
-            self.whole_run(&record);
+            if !self.acts(&record) {
+                continue;
+            }
             let Some(motion) = self.motion(&record, &line) else { continue };
             let Some(set) = self.deck.node_set(grnod, place) else { continue };
             let all = self.deck.node_sets[&grnod].0.clone();
@@ -87,17 +89,25 @@ impl StarterConverter {
         Some(StarterMotion { form, dof, amount, curve, place: record.head })
     }
 
-    /// Reports a motion that begins or ends within the run.
-    fn whole_run(&mut self, record: &CardRecord) {
+    /// Returns false for a motion that begins after the end of the run. Reports one that begins or
+    /// ends within it.
+    fn acts(&mut self, record: &CardRecord) -> bool {
         let (start, stop, end) = (record.real("tstart"), record.real("tstop"), self.deck.end_time);
+        // Without an engine file the end is that of a job, which is not known here.
+        if start > 0.0 && end > 0.0 && start >= end {
+            let name = format!("{}/{}", record.name(), record.integer("id"));
+            let asked = format!("tstart {start}, not before the end of the run");
+            self.deck.map(name, asked, "no motion");
+            return false;
+        }
         let why = "motion that begins or ends within the run";
         if start > 0.0 {
             self.deck.unsupported_value(record, "tstart", why);
         }
-        // Without an engine file the end is that of a job, which is not known here.
         if stop > 0.0 && stop < NEVER && (end <= 0.0 || stop < end) {
             self.deck.unsupported_value(record, "tstop", why);
         }
+        true
     }
 
     fn put_motion(&mut self, key: &str, of: String, motion: &StarterMotion) {

@@ -28,6 +28,7 @@ pub const MODEL: &[Keyword] = &[
     ),
     harmless("/ANALY", "the analysis is in three dimensions and parallel"),
     harmless("/IOFLAG", "it controls the listing"),
+    harmless("/AMS", "it acts only with /DT/AMS in the engine file"),
     harmless("/SPMD", "`[parallel]` of a job divides the model"),
     harmless("/DEFAULT/INTER/TYPE7", "it has defaults of contact, of which none has a counterpart"),
     harmless("/DEFAULT/INTER/TYPE24", "as above"),

@@ -72,6 +72,12 @@ pub fn near(name: &str) -> Option<&'static str> {
     (best >= ALIKE).then_some(known)
 }
 
+/// Returns true for a keyword of the engine file.
+pub fn is_of_engine(name: &str) -> bool {
+    let is_this = |row: &KeywordRow| engine::KEYWORDS.iter().any(|k| k.name == row.keyword.name);
+    find(name).is_some_and(is_this)
+}
+
 /// Creates a keyword that has no effect here.
 const fn harmless(name: &'static str, note: &'static str) -> Keyword {
     Keyword::new(name, &[], note).effect(Effect::Harmless)

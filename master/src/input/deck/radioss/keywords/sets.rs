@@ -80,6 +80,15 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[curve]]` of loads, hardening of materials, force of springs",
     ),
     Keyword::new(
+        "/FUNCT_SMOOTH",
+        &[
+            TITLE,
+            ("ascalex:r20=1 fscaley:r20=1 ashiftx:r20 fshifty:r20", Once),
+            ("x:r20 y:r20", Rest),
+        ],
+        "`[[curve]]` with points on the smooth steps between those of the card; constant beyond",
+    ),
+    Keyword::new(
         "/BOX/RECTA",
         &[
             TITLE,
