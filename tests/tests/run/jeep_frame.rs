@@ -25,23 +25,23 @@ fn check_gives_the_papers_counts_and_no_warning() {
 /// horns begin to fold at the wall, and the first folds touch.
 #[test]
 fn ten_milliseconds_give_one_state_on_any_number_of_workers() {
-    let runs = [1, 2, 3, 4, 7].map(|workers| jeep(workers, "10"));
+    let runs = [1, 3, 7].map(|workers| jeep(workers, "10"));
     for r in &runs {
         assert_eq!(r.digest(), runs[0].digest(), "{} workers", r.summary()["workers"]);
         balances(r);
     }
-    whole_summary(&runs[2].summary());
-    history(&runs[2]);
-    assert_eq!(runs[2].read_fields(), 3, "0, 5 and 10 ms");
+    whole_summary(&runs[1].summary());
+    history(&runs[1]);
+    assert_eq!(runs[1].read_fields(), 3, "0, 5 and 10 ms");
 }
 
 /// The same checks with dense contact: folds lie on each other, and boxes are renewed several
 /// times.
 #[test]
-fn twenty_five_milliseconds_with_contact_give_one_state_on_one_and_four_workers() {
-    let (one, four) = (jeep(1, "25"), jeep(4, "25"));
-    assert_eq!(one.digest(), four.digest());
-    for r in [&one, &four] {
+fn twenty_milliseconds_with_contact_give_one_state_on_two_and_four_workers() {
+    let (two, four) = (jeep(2, "20"), jeep(4, "20"));
+    assert_eq!(two.digest(), four.digest());
+    for r in [&two, &four] {
         balances(r);
         assert!(r.summary()["contact"]["pairs_max"].as_u64() > Some(0), "folds touch");
     }
