@@ -7,7 +7,7 @@ use crumple_proto::job::Setting;
 use std::fs;
 
 /// Reads a deck; returns the model, or the report of its errors.
-fn reading(text: &str, sets: &[&str]) -> Result<Model, String> {
+pub fn reading(text: &str, sets: &[&str]) -> Result<Model, String> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deck.k");
     fs::write(&path, format!("{text}*END\n")).unwrap();
@@ -24,7 +24,7 @@ fn based(lines: &str) -> String {
 }
 
 /// Returns everything that is said of a model: its description and its warnings with their help.
-fn said(model: &Model) -> String {
+pub fn said(model: &Model) -> String {
     let warnings = model.warnings.iter().map(|w| format!("{}: {}\n", w.message, w.help));
     describe(model) + &warnings.collect::<String>()
 }
@@ -263,7 +263,7 @@ fn what_is_left_out_has_a_name() {
     let report = reading(&format!("{BASE}{law}{MOVES}"), &["mesh.allow_unsupported=true"]);
     let report = report.err().expect("a report");
     assert!(
-        report.contains("part 1 needs mid 1, a *MAT_ELASTIC_FLUID_TITLE, which is not supported"),
+        report.contains("it needs mid 1, and *MAT_ELASTIC_FLUID_TITLE is not supported"),
         "{report}"
     );
     assert!(!report.contains("there is no *MAT_"), "{report}");

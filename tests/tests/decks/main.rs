@@ -26,6 +26,7 @@ mod followed_directions;
 mod formats;
 mod honeycomb;
 mod joints;
+mod left_out;
 mod materials;
 mod mesh_details;
 mod mesh_files;

@@ -40,11 +40,12 @@ pub use text::Text;
 use crate::input::job::report::{PlacedProblem, deck_path, deck_place};
 use crate::input::job::tree::{Node, Place};
 use crate::input::mesh_file::ImportRow;
+use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::Mesh;
 use crumple_proto::problem::{Problem, Severity};
 use diagnostics::Trouble;
 use sniff::DeckFormat;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Plastic strain that no material reaches, where continued hardening curves end.
@@ -83,6 +84,8 @@ pub struct Deck {
     pub mesh: Mesh,
     /// Number of elements of each kind, in the order of the mesh.
     pub lists: ListLengths,
+    /// Nodes of no element that stand for a rigid body.
+    pub stand_ins: BTreeSet<NodeId>,
     /// Its files.
     pub files: Vec<Text>,
     /// Places of the mesh data.
@@ -106,6 +109,7 @@ impl Deck {
             tree: Node::table(Place::Whole),
             mesh: Mesh::default(),
             lists: ListLengths::default(),
+            stand_ins: BTreeSet::new(),
             files: Vec::new(),
             places: Places::default(),
             findings: trouble.into_findings(),
@@ -171,11 +175,13 @@ pub fn read(path: &Path, choice: &DeckChoice) -> Deck {
     }
     let whole_cards = !built.trouble.is_unsure();
     let lists = built.rows.lists();
+    let stand_ins = std::mem::take(&mut built.rows.stand_ins);
     let (mesh, places) = built.rows.finish();
     Deck {
         tree: whole,
         mesh,
         lists,
+        stand_ins,
         files: std::mem::take(&mut texts.files),
         places,
         findings: built.trouble.into_findings(),

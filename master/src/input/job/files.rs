@@ -69,7 +69,7 @@ fn read_first(
     let read = if let Some(deck) = deck.filter(|_| count == 0) {
         let mut mesh = deck.mesh;
         mesh.node_sets.extend(own_sets());
-        mesh::PlacedMesh::of_deck(mesh, deck.lists)
+        mesh::PlacedMesh::of_deck(mesh, deck.lists, deck.stand_ins)
     } else if !check_sources(given, count, findings) {
         return None;
     } else if let Some(file) = &given.file {

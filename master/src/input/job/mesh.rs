@@ -13,7 +13,7 @@ use crumple_proto::job::{AddedMeshInput, Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape, corner_nodes};
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::elements::LARGEST_OFFSET;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Maximum number of problems of one kind that are reported singly.
 const MAX_REPORTED: usize = 20;
@@ -28,6 +28,8 @@ pub struct PlacedMesh {
     written: Written,
     /// The meshes that were added to it, in their order.
     added: Vec<AddedRange>,
+    /// Nodes of no element that stand for a rigid body: it is reported that the model lacks them.
+    stand_ins: BTreeSet<NodeId>,
 }
 
 /// Where the entities of a mesh are written.
@@ -39,14 +41,16 @@ enum Written {
 }
 
 impl PlacedMesh {
-    /// Creates it from the mesh of a deck, whose elements are ordered by `lists`.
-    pub fn of_deck(mesh: Mesh, lists: ListLengths) -> Self {
-        PlacedMesh { mesh, written: Written::Rows(lists), added: Vec::new() }
+    /// Creates it from the mesh of a deck, whose elements are ordered by `lists`. Nodes of
+    /// `stand_ins` that belong to no element are not reported.
+    pub fn of_deck(mesh: Mesh, lists: ListLengths, stand_ins: BTreeSet<NodeId>) -> Self {
+        PlacedMesh { mesh, written: Written::Rows(lists), added: Vec::new(), stand_ins }
     }
 
     /// Creates it from a mesh that a key of the job names.
     pub fn elsewhere(mesh: Mesh, key: &'static str) -> Self {
-        PlacedMesh { mesh, written: Written::Elsewhere(key), added: Vec::new() }
+        let (added, stand_ins) = Default::default();
+        PlacedMesh { mesh, written: Written::Elsewhere(key), added, stand_ins }
     }
 
     /// Makes the hexahedra of these parts cohesive elements.
@@ -195,7 +199,7 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
     ];
     let rows: usize = lists.iter().map(|list| list.1).sum();
     let whole = mesh.nodes.len() == source.nodes.len() && mesh.elements.len() == rows;
-    whole.then_some(PlacedMesh { mesh, written: Written::Rows(lists), added: Vec::new() })
+    whole.then_some(PlacedMesh::of_deck(mesh, lists, BTreeSet::new()))
 }
 
 /// Lists of thicknesses, offsets and angles of single shells of a mesh.
@@ -400,7 +404,9 @@ pub fn check(read: PlacedMesh, parts: Option<&[u32]>, findings: &mut JobProblems
         .nodes
         .iter()
         .enumerate()
-        .filter(|(_, n)| !used.contains(&n.id) && !turned.contains(&n.id))
+        .filter(|(_, n)| {
+            !used.contains(&n.id) && !turned.contains(&n.id) && !read.stand_ins.contains(&n.id)
+        })
         .map(|(i, n)| (i, n.id))
         .collect();
     if let (Some(&(index, first)), false) = (unused.first(), read.mesh.elements.is_empty()) {

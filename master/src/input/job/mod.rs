@@ -270,7 +270,8 @@ fn build(
         // References to a faulty card would be reported as errors. Of the remaining data, only
         // the mesh can be checked.
         if deck.whole && !deck.mesh.elements.is_empty() {
-            mesh::check(mesh::PlacedMesh::of_deck(deck.mesh, deck.lists), None, findings);
+            let read = mesh::PlacedMesh::of_deck(deck.mesh, deck.lists, deck.stand_ins);
+            mesh::check(read, None, findings);
         }
         return None;
     }

@@ -96,6 +96,17 @@ fn no_given_field_is_without_a_word() {
     }
 }
 
+/// A main node in no element is named as such, and not as a node that is left out.
+#[test]
+fn main_nodes_stand_for_their_bodies() {
+    let body = "/NODE\ni90 r5 r5 r5\ni91 r9 r9 r9\n/GRNOD/PART/3\n=cube\ni2\n/RBODY/1\n=b\n\
+                i90 i0 i0 i0 r0 i3";
+    let all = said(&model(&with(body)));
+    let words = "node 90: main node of /RBODY, in no element -> no part of the model";
+    assert!(all.contains(words), "{all}");
+    assert!(all.contains("node 91 belongs to no element and is left out"), "{all}");
+}
+
 /// Fields that would change the result are errors.
 #[test]
 fn fields_that_matter_are_refused() {

@@ -9,6 +9,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{MeshElement, Shape, corner_nodes};
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 /// Code of a third node that is not given.
@@ -61,7 +62,7 @@ impl DeckConverter {
     /// Adds a third node to beams without one, if their section does not depend on it. Otherwise
     /// reports an error.
     pub(super) fn orient_beams(&mut self) {
-        let mut shown = Vec::new();
+        let (mut shown, mut wrong) = (Vec::new(), BTreeSet::new());
         for index in 0..self.rows.beams.len() {
             if self.discrete_beam(index) {
                 continue;
@@ -83,6 +84,7 @@ impl DeckConverter {
                 let help =
                     "give n3, a node in the direction of the second axis; it may not be n1 or n2";
                 self.trouble.error(place, message, help);
+                wrong.insert(beam.id);
             } else if let [Some(from), Some(to)] =
                 [beam.nodes[0], beam.nodes[1]].map(|n| self.rows.at(n))
                 && let Some(along) = unit([0, 1, 2].map(|c| to[c] - from[c]))
@@ -99,6 +101,9 @@ impl DeckConverter {
             }
         }
         self.show(&shown);
+        if !wrong.is_empty() {
+            self.rows.remove(|e| e.shape == Shape::Beam2 && wrong.contains(&e.id));
+        }
     }
 
     /// Converts a part of beams.
@@ -133,7 +138,11 @@ impl DeckConverter {
                 None
             }
         };
-        let Some((used, round)) = used else { return };
+        let Some((used, round)) = used else {
+            let help = "give it a section that is supported".to_string();
+            let why = "its section is not supported";
+            return self.leave_out_part(pid, record.place("secid"), why, help);
+        };
         if let (true, Ok(part)) = (round, u32::try_from(pid)) {
             self.round_parts.insert(part);
         }

@@ -166,10 +166,13 @@ impl DeckConverter {
             let layers = layers(&record);
             let known = |layer: &DeckLayer| materials.contains_key(&layer.mid);
             for layer in layers.iter().filter(|layer| !known(layer)) {
-                if !self.part_lacks(id, ("MAT_", "mid"), (layer.mid, layer.place)) {
+                if !self.part_lacks(id, ("*MAT_...", "mid"), (layer.mid, layer.place)) {
                     let known: Vec<String> = materials.keys().map(i64::to_string).collect();
                     self.missing(layer.place, "*MAT_...", layer.mid, &known);
                 }
+            }
+            if self.is_left_out(id) {
+                continue;
             }
             let thickest = layers
                 .iter()

@@ -200,21 +200,22 @@ impl DeckConverter {
         if record.integer("phase") != 0 {
             self.unsupported_value(record, "phase", "velocities that start later");
         }
-        let (Some(head), Some(line)) = (record.line("omega").cloned(), record.line("xc").cloned())
-        else {
-            return;
-        };
+        if record.line("xc").is_none() {
+            let used = "its defaults: no axis, phase 0";
+            self.map("*INITIAL_VELOCITY_GENERATION", "no second card", used);
+        }
+        let Some(head) = record.line("omega").cloned() else { return };
         let v = self.velocity(&head, ["vx", "vy", "vz"], "icid");
         let omega = head.real("omega");
         let mut spin = None;
         if omega != 0.0 {
-            let mut along = ["nx", "ny", "nz"].map(|c| line.real(c));
+            let mut along = ["nx", "ny", "nz"].map(|c| record.real(c));
             if along[0] == -999.0 {
                 let [from, to] = [1, 2].map(|c| id(along[c] as i64).and_then(|n| self.rows.at(n)));
                 let (Some(from), Some(to)) = (from, to) else {
                     let message = "the axis of the initial spin refers to nodes that do not exist";
                     return self.trouble.error(
-                        line.place("ny"),
+                        record.place("ny"),
                         message,
                         "with nx = -999, give ids of nodes as ny and nz",
                     );
@@ -223,12 +224,12 @@ impl DeckConverter {
             }
             match cosines(along) {
                 Some(n) => {
-                    spin = Some((n.map(|c| c * omega), ["xc", "yc", "zc"].map(|c| line.real(c))))
+                    spin = Some((n.map(|c| c * omega), ["xc", "yc", "zc"].map(|c| record.real(c))))
                 }
                 None => {
                     let message = "the axis of the initial spin has no direction";
                     self.trouble.error(
-                        line.place("nx"),
+                        record.place("nx"),
                         message,
                         "give nx, ny, nz: a vector along the axis",
                     );

@@ -12,16 +12,17 @@ impl DeckConverter {
     /// Converts `*ELEMENT_MASS`.
     pub(super) fn masses(&mut self) {
         let mut equal: BTreeMap<u64, (f64, Vec<NodeId>, Place)> = BTreeMap::new();
+        let lost = self.rows.lost_nodes();
         for record in self.take_records("ELEMENT_MASS") {
             for line in record.lines("nid") {
                 let mass = line.real("mass");
                 let of =
                     equal.entry(mass.to_bits()).or_insert_with(|| (mass, Vec::new(), line.place));
-                of.1.extend(id(line.integer("nid")));
+                of.1.extend(id(line.integer("nid")).filter(|node| !lost.contains(node)));
             }
         }
         for (number, (mass, nodes, place)) in
-            equal.into_values().enumerate().filter(|(_, m)| m.0 != 0.0)
+            equal.into_values().enumerate().filter(|(_, m)| m.0 != 0.0 && !m.1.is_empty())
         {
             let name = format!("mass-{}", number + 1);
             let total = mass * nodes.len() as f64;

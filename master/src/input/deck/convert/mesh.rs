@@ -51,6 +51,10 @@ pub struct Rows {
     top: u64,
     /// Offsets added to the ids of solids, springs and beams.
     pub raised: [u64; 3],
+    /// Elements that were removed.
+    pub removed: Vec<MeshElement>,
+    /// Nodes of no element that stand for a rigid body: the job does not have them.
+    pub stand_ins: BTreeSet<NodeId>,
 }
 
 /// Codes `tc` and `rc` of a node that neither moves nor turns.
@@ -431,6 +435,52 @@ impl Rows {
         }
     }
 
+    /// Removes elements.
+    pub fn remove(&mut self, is_gone: impl Fn(&MeshElement) -> bool) {
+        let shells = new_indices(&self.shells, &is_gone);
+        self.thickness.retain_mut(|entry| move_index(&shells, &mut entry.0));
+        self.offsets.retain_mut(|entry| move_index(&shells, &mut entry.0));
+        let solids = new_indices(&self.solids, &is_gone);
+        self.thick.retain_mut(|index| move_index(&solids, index));
+        let lists = [
+            (&mut self.shells, &mut self.shell_lines),
+            (&mut self.solids, &mut self.solid_lines),
+            (&mut self.springs, &mut self.spring_lines),
+            (&mut self.beams, &mut self.beam_lines),
+            (&mut self.particles, &mut self.particle_lines),
+        ];
+        for (elements, lines) in lists {
+            let mut gone = elements.iter().map(&is_gone).collect::<Vec<_>>().into_iter();
+            lines.retain(|_| gone.next() == Some(false));
+            self.removed.extend(elements.extract_if(.., |e| is_gone(e)));
+        }
+    }
+
+    /// Returns the nodes that only removed elements have.
+    pub fn lost_nodes(&self) -> HashSet<NodeId> {
+        let mut lost: HashSet<NodeId> =
+            self.removed.iter().flat_map(|e| e.corners()).copied().collect();
+        if !lost.is_empty() {
+            self.elements().flat_map(|e| e.corners()).for_each(|node| {
+                lost.remove(node);
+            });
+        }
+        lost
+    }
+
+    /// Removes nodes from all sets. Returns the names of the sets that have none left.
+    pub fn remove_from_sets(&mut self, gone: &HashSet<NodeId>) -> BTreeSet<String> {
+        let mut emptied = BTreeSet::new();
+        for (name, (nodes, _)) in &mut self.sets {
+            let before = nodes.len();
+            nodes.retain(|node| !gone.contains(node));
+            if before > 0 && nodes.is_empty() {
+                emptied.insert(name.clone());
+            }
+        }
+        emptied
+    }
+
     /// Returns the ids of beams as the deck has them, and their parts.
     pub fn beams_of_deck(&self) -> Vec<(i64, u32)> {
         let written = |id: ElemId| id.0.saturating_sub(self.raised[2]) as i64;
@@ -605,6 +655,22 @@ impl Rows {
         let node_sets = self.sets.into_iter().map(|(name, (nodes, _))| (name, nodes)).collect();
         (Mesh { nodes: self.nodes, elements, node_sets }, places)
     }
+}
+
+/// Returns the index of each element after some are removed; `None` for these.
+fn new_indices(
+    elements: &[MeshElement],
+    is_gone: impl Fn(&MeshElement) -> bool,
+) -> Vec<Option<usize>> {
+    let mut next = 0..;
+    elements.iter().map(|e| if is_gone(e) { None } else { next.next() }).collect()
+}
+
+/// Replaces an index by the new one; returns false if its element is removed.
+fn move_index(new: &[Option<usize>], index: &mut usize) -> bool {
+    let moved = new.get(*index).copied().flatten();
+    *index = moved.unwrap_or(*index);
+    moved.is_some()
 }
 
 /// Returns a line of a block, split into the fields of a card.

@@ -154,11 +154,17 @@ pub struct KeywordNames {
     part: &'static str,
     /// A curve.
     curve: &'static str,
+    /// A coordinate system.
+    system: &'static str,
 }
 
 /// Names in decks of LS-DYNA.
-const LS_DYNA: KeywordNames =
-    KeywordNames { node_set: "*SET_NODE_...", part: "*PART", curve: "*DEFINE_CURVE" };
+const LS_DYNA: KeywordNames = KeywordNames {
+    node_set: "*SET_NODE_...",
+    part: "*PART",
+    curve: "*DEFINE_CURVE",
+    system: "*DEFINE_COORDINATE_...",
+};
 
 /// Converts a deck. Returns the job; all other results are in the [`DeckConverter`].
 pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, DeckConverter) {
@@ -221,6 +227,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     for (id, (nodes, place)) in sets {
         b.rows.add_set(format!("set-{id}"), nodes, place);
     }
+    b.without_lost_nodes();
     b.same_names();
     (std::mem::take(&mut b.tree).into_node(), b)
 }
@@ -295,7 +302,7 @@ impl DeckConverter {
         for block in &texts.blocks {
             // An entry applies with and without options, and for all names of a keyword.
             if left_out(&block.name) || left_out(keywords::without_options(&block.name)) {
-                self.left_out.note(texts, block);
+                self.left_out.note(texts, block, &parameters, left_out::BY_CHOICE);
                 if block.name == "INCLUDE_TRANSFORM" {
                     self.submodels.push(Submodel::default());
                 }
@@ -304,14 +311,17 @@ impl DeckConverter {
             match keywords::find(&block.name) {
                 Some((row, _))
                     if left_out(row.keyword.name)
-                        || row.keyword.aliases.iter().any(|alias| left_out(alias)) => {}
+                        || row.keyword.aliases.iter().any(|alias| left_out(alias)) =>
+                {
+                    self.left_out.note(texts, block, &parameters, left_out::BY_CHOICE);
+                }
                 Some((row, options)) => self.block(texts, block, row, &options, &mut parameters),
                 None => match keywords::instead_of(&block.name) {
                     Some(help) => {
                         let message = format!("*{} is not read", block.name);
                         self.trouble.warn_once(&block.name, block.place(), message, help);
                     }
-                    None => self.unknown(texts, block),
+                    None => self.unknown(texts, block, &parameters),
                 },
             }
         }
@@ -343,11 +353,11 @@ impl DeckConverter {
     }
 
     /// Notes a keyword that the table does not have.
-    fn unknown(&mut self, texts: &Texts, block: &KeywordBlock) {
+    fn unknown(&mut self, texts: &Texts, block: &KeywordBlock, parameters: &DeckParameters) {
         if block.name.starts_with("CONTROL_IMPLICIT_") {
             return self.left_out.implicit(block);
         }
-        self.left_out.note(texts, block);
+        self.left_out.note(texts, block, parameters, left_out::NOT_SUPPORTED);
         let near = match keywords::near(&block.name) {
             Some(near) => format!("; the nearest supported keyword is *{near}"),
             None => String::new(),
@@ -376,6 +386,7 @@ impl DeckConverter {
             Effect::NotYet => {
                 let message = format!("*{} is not supported yet: {}", block.name, row.keyword.note);
                 self.unsupported(block.place(), message, format!("*{}", block.name));
+                self.left_out.note(texts, block, parameters, left_out::NOT_SUPPORTED);
             }
             Effect::Model => {}
         }
@@ -525,10 +536,19 @@ impl DeckConverter {
         name
     }
 
-    /// Reports that a record refers to something that does not exist.
+    /// Reports that a record refers to something that does not exist. Something that is left out
+    /// has been reported: then it is a warning.
     fn missing(&mut self, place: Place, what: &str, id: i64, known: &[String]) {
         if self.trouble.is_unsure() {
             return;
+        }
+        if let Some(reason) = self.left_out.reason(what, id) {
+            let message = format!("there is no {what} with the id {id}: {reason}");
+            return self.trouble.warning(
+                place,
+                message,
+                "the card acts without it, or has no effect",
+            );
         }
         let known: Vec<&str> = known.iter().map(String::as_str).collect();
         let help = match known.is_empty() {

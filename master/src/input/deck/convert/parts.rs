@@ -80,18 +80,29 @@ impl DeckConverter {
             let place = record.place("pid");
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
-            if let Some(section) = section.filter(|s| s.kind == SectionKind::Discrete) {
+            let is_spring = section.is_some_and(|s| s.kind == SectionKind::Discrete);
+            let is_discrete_beam = section.is_some_and(is_discrete);
+            if (is_spring && !self.spring_laws.contains_key(&mid)
+                || is_discrete_beam && !self.discrete_beam_laws.contains_key(&mid))
+                && self.part_lacks(id, ("*MAT_...", "mid"), (mid, record.place("mid")))
+            {
+                continue;
+            }
+            if let Some(section) = section.filter(|_| is_spring) {
                 self.parts
                     .insert(id, DeckPart { rigid: None, material: None, inertia: None, place });
                 self.spring_part(&record, section, &name);
                 continue;
             }
-            if let Some(section) = section.filter(|s| is_discrete(s)) {
+            if let Some(section) = section.filter(|_| is_discrete_beam) {
                 self.discrete_beam_part(&record, section, &name);
                 continue;
             }
             let material = materials.get(&mid);
             self.check_references(&record, (material, materials), (section, sections));
+            if self.is_left_out(id) {
+                continue;
+            }
             let (Some(material), Some(section)) = (material, section) else {
                 let part = DeckPart { rigid: None, material: None, inertia: None, place };
                 self.parts.insert(id, part);
@@ -109,6 +120,9 @@ impl DeckConverter {
                 thickness: own_thickness.get(&id).map(Vec::as_slice),
             };
             let table = self.part_table(&record, name, material, (section, sections), elements);
+            if self.is_left_out(id) {
+                continue;
+            }
             if material.rigid.is_none() {
                 self.refuse_inertia(&record);
             }
@@ -125,6 +139,7 @@ impl DeckConverter {
             self.add("part", table);
         }
         self.parts_with_layers(materials, sections, &mut names);
+        self.remove_left_out();
     }
 
     /// Refuses the mass properties of a part that is not rigid.
@@ -259,15 +274,19 @@ impl DeckConverter {
                     format!("part {id}: material {mid} is for discrete beams (elform 6) only");
                 let help = "give it another *MAT_..., or a *SECTION_BEAM with elform 6";
                 self.trouble.error(record.place("mid"), message, help);
-            } else if !self.part_without(record, ("MAT_", "mid")) {
-                self.missing(record.place("mid"), "*MAT_...", mid, &known);
+            } else {
+                let card = (mid, record.place("mid"));
+                if !self.part_lacks(id, ("*MAT_...", "mid"), card) {
+                    self.missing(card.1, "*MAT_...", mid, &known);
+                }
             }
         }
-        if section.is_none() && !self.part_without(record, ("SECTION_", "secid")) {
+        let card = (secid, record.place("secid"));
+        if section.is_none() && !self.part_lacks(id, ("*SECTION_...", "secid"), card) {
             let mut known: Vec<i64> = sections.by_id.keys().copied().collect();
             known.sort_unstable();
             let known: Vec<String> = known.iter().map(i64::to_string).collect();
-            self.missing(record.place("secid"), "*SECTION_...", secid, &known);
+            self.missing(card.1, "*SECTION_...", secid, &known);
         }
     }
 
@@ -278,6 +297,10 @@ impl DeckConverter {
             _ if material.rigid.is_some() => "not used: the part is rigid",
             SectionKind::Solid => {
                 let place = record.place("eosid");
+                let card = ("*EOS_...", "eosid");
+                if material.needs_equation() && self.part_lacks(pid, card, (eosid, place)) {
+                    return;
+                }
                 self.equations.push(PartEquation { ids: [pid, mid, eosid], place });
                 return;
             }

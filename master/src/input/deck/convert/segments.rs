@@ -7,8 +7,8 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardLine;
 use crate::input::job::tree::{NodeContent, Place};
 use crumple_proto::ids::NodeId;
-use crumple_proto::mesh::Shape;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use crumple_proto::mesh::{MeshElement, Shape};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// A face given by its nodes in order.
 #[derive(Clone, Debug)]
@@ -176,7 +176,8 @@ impl DeckConverter {
             self.arrival(line);
             let (id, place) = (line.integer("eid"), line.place("eid"));
             let found = faces([id; 2], place);
-            if found.is_empty() {
+            let is_removed = self.rows.removed.iter().any(|e| e.id.0 as i64 == id);
+            if found.is_empty() && !is_removed {
                 let message = format!("*LOAD_SHELL_ELEMENT: there is no shell {id}");
                 self.trouble.error(place, message, "correct the id, or remove the line");
             }
@@ -320,9 +321,16 @@ impl DeckConverter {
         faces: &HashMap<Vec<NodeId>, Option<Vec<NodeId>>>,
         along: bool,
     ) -> Vec<DeckSegment> {
+        let of_element = |e: &MeshElement| {
+            let corner = |face: &[usize]| face.iter().map(|&c| e.nodes[c]).collect::<Vec<_>>();
+            e.shape.faces().iter().map(|face| key(&corner(face))).collect::<Vec<_>>()
+        };
+        let removed: HashSet<_> = self.rows.removed.iter().flat_map(of_element).collect();
         let mut found = Vec::new();
         for segment in segments {
             match faces.get(&key(&segment.nodes)) {
+                // The face of an element of a part that is left out.
+                None if removed.contains(&key(&segment.nodes)) => {}
                 None if along => {
                     let ids: Vec<String> = segment.nodes.iter().map(NodeId::to_string).collect();
                     let message =

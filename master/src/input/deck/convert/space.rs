@@ -88,7 +88,7 @@ impl DeckConverter {
                 Some(axes) => [0, 1, 2].map(|c| (0..3).map(|a| v[a] * axes[a][c]).sum()),
                 None => {
                     let known: Vec<String> = self.axes.keys().map(i64::to_string).collect();
-                    self.missing(record.place(field), "*DEFINE_COORDINATE_...", id, &known);
+                    self.missing(record.place(field), self.names.system, id, &known);
                     v
                 }
             },

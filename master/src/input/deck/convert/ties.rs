@@ -93,6 +93,11 @@ impl DeckConverter {
         // Only nodes of elements have a motion.
         let used: HashSet<NodeId> = self.rows.nodes_of(|_| true).into_iter().collect();
         let before = weights.len();
+        let lost = self.rows.lost_nodes();
+        if before > 0 && weights.keys().all(|node| lost.contains(node)) {
+            let message = "all its independent nodes are those of parts that are left out";
+            return self.trouble.warning(record.place("inid"), message, "it has no effect");
+        }
         weights.retain(|node, _| used.contains(node));
         if weights.is_empty() || weights.len() < before {
             let message = format!(

@@ -1,7 +1,7 @@
 //! The job's tree of values under construction.
 
 use crate::input::job::tree::{Entry, Node, NodeContent, Place};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A table of the job: keys with values and their places in the deck.
 #[derive(Debug)]
@@ -189,8 +189,38 @@ impl Tree {
         }
     }
 
+    /// Removes the entries of all lists whose node set is one of these, or only their set if they
+    /// have parts as well. Returns their places.
+    pub fn remove_entries_of(&mut self, sets: &BTreeSet<String>) -> Vec<Place> {
+        let mut places = Vec::new();
+        self.root.values_mut().for_each(|entry| remove_of(&mut entry.node, sets, &mut places));
+        places
+    }
+
     /// Returns the tree.
     pub fn into_node(self) -> Node {
         Node { kind: NodeContent::Table(self.root), place: Place::Whole }
+    }
+}
+
+/// Removes the entries below a node whose node set is one of these, see
+/// [`Tree::remove_entries_of`].
+fn remove_of(node: &mut Node, sets: &BTreeSet<String>, places: &mut Vec<Place>) {
+    match &mut node.kind {
+        NodeContent::Table(keys) => {
+            keys.values_mut().for_each(|entry| remove_of(&mut entry.node, sets, places));
+        }
+        NodeContent::Array(items) => items.retain_mut(|item| {
+            remove_of(item, sets, places);
+            let NodeContent::Table(keys) = &mut item.kind else { return true };
+            let set = keys.get("nodes").map(|entry| &entry.node.kind);
+            if !matches!(set, Some(NodeContent::String(name)) if sets.contains(name)) {
+                return true;
+            }
+            places.push(item.place);
+            keys.remove("nodes");
+            keys.contains_key("parts")
+        }),
+        _ => {}
     }
 }

@@ -125,9 +125,10 @@ pub const KEYWORDS: &[Keyword] = &[
         "INITIAL_VELOCITY_GENERATION",
         &[
             ("id:i styp:i omega:r vx:r vy:r vz:r ivatn:i icid:i", Once),
-            ("xc:r yc:r zc:r nx:r ny:r nz:r phase:i irigid:i", Once),
+            ("xc:r yc:r zc:r nx:r ny:r nz:r phase:i irigid:i", Maybe),
         ],
-        "`[[initial_velocity]]` with spin omega about an axis through a point",
+        "`[[initial_velocity]]` with spin omega about an axis through a point; without spin the \
+         second card can be missing",
     )
     .unused(&[
         OF_RIGID,

@@ -120,11 +120,23 @@ pub fn without_options(name: &str) -> &str {
 pub fn near(name: &str) -> Option<&'static str> {
     /// Smallest similarity; one letter of ten may be wrong.
     const ALIKE: f64 = 0.88;
-    let base = without_options(name);
-    let scores =
-        TABLE.keys().map(|&known| (strsim::normalized_damerau_levenshtein(base, known), known));
+    similar(without_options(name), &TABLE, ALIKE)
+}
+
+/// Returns the supported keyword of a table that is most similar to a name, at least by `alike`.
+/// Names that differ by a number mean different things, and are no typing errors.
+pub fn similar(
+    name: &str,
+    table: &HashMap<&'static str, KeywordRow>,
+    alike: f64,
+) -> Option<&'static str> {
+    let letters = |name: &str| name.replace(|c: char| c.is_ascii_digit(), "");
+    let own = letters(name);
+    let supported = table.iter().filter(|(_, row)| row.keyword.effect != Effect::NotYet);
+    let others = supported.map(|(known, _)| *known).filter(|known| letters(known) != own);
+    let scores = others.map(|k| (strsim::normalized_damerau_levenshtein(name, k), k));
     let (best, known) = scores.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(a.1)))?;
-    (best >= ALIKE).then_some(known)
+    (best >= alike).then_some(known)
 }
 
 /// Returns what to do in place of a keyword that is not in the table and changes no result: it
@@ -224,6 +236,14 @@ mod tests {
         missing.sort();
         missing.dedup();
         assert!(missing.is_empty(), "fields without a fate: {missing:#?}");
+    }
+
+    /// Only supported keywords explain a typing error, and no keyword with another number does.
+    #[test]
+    fn near_names_are_supported() {
+        assert_eq!(near("MAT_ELASTC"), Some("MAT_ELASTIC"));
+        assert_eq!(near("LOAD_BODY_GENERALISED"), None);
+        assert_eq!(near("MAT_025"), None);
     }
 
     #[test]

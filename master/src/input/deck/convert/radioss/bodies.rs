@@ -57,6 +57,13 @@ impl StarterConverter {
             let mut nodes: BTreeSet<NodeId> = group.into_iter().collect();
             if self.used_nodes().contains(&main) || is_link {
                 nodes.insert(main);
+            } else {
+                self.deck.rows.stand_ins.insert(main);
+                self.deck.map(
+                    format!("node {}", main.label()),
+                    "main node of /RBODY, in no element",
+                    "no part of the model: conditions on it act on its body",
+                );
             }
             let name = self.body_name(&record, id, is_link);
             let fixed = BTreeSet::new();

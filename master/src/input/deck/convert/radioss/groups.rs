@@ -58,6 +58,9 @@ impl StarterConverter {
                         self.deck.missing(place, "element", element, &[]);
                     }
                     for (corners, part, _) in found {
+                        if self.deck.is_left_out(part) {
+                            continue;
+                        }
                         nodes.extend(corners);
                         parts.insert(part);
                     }
@@ -75,7 +78,7 @@ impl StarterConverter {
         use crumple_proto::mesh::Shape;
         let [solids, springs, beams] = self.deck.rows.raised;
         let [triangles, trusses] = self.raised;
-        for element in self.deck.rows.elements() {
+        for element in self.deck.rows.elements().chain(&self.deck.rows.removed) {
             let (kind, raised) = match element.shape {
                 Shape::Quad4 => ("GRSHEL", 0),
                 Shape::Tri3 => ("GRSH3N", triangles),

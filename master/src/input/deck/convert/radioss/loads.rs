@@ -148,6 +148,7 @@ impl StarterConverter {
     /// Converts `/ADMAS`.
     pub(super) fn masses(&mut self) {
         self.used_nodes();
+        let lost = self.deck.rows.lost_nodes();
         let mut equal: BTreeMap<u64, (f64, Vec<NodeId>, Place)> = BTreeMap::new();
         for record in self.take(&["/ADMAS"]) {
             let kind = record.integer("kind");
@@ -167,8 +168,8 @@ impl StarterConverter {
                     5 => {
                         let Some(node) = super::groups::node(of) else { continue };
                         self.warn_of_walls(&record, &[node]);
-                        let is_wall = self.wall_nodes.contains(&node);
-                        if is_wall || self.mass_of_main(node, mass, place) {
+                        let is_none = self.wall_nodes.contains(&node) || lost.contains(&node);
+                        if is_none || self.mass_of_main(node, mass, place) {
                             continue;
                         }
                         let entry = equal
@@ -204,7 +205,8 @@ impl StarterConverter {
         let count = nodes.len();
         let mut others: Vec<NodeId> =
             nodes.into_iter().filter(|&n| !self.mass_of_main(n, each, place)).collect();
-        others.retain(|node| !self.wall_nodes.contains(node));
+        let lost = self.deck.rows.lost_nodes();
+        others.retain(|node| !self.wall_nodes.contains(node) && !lost.contains(node));
         if others.len() == count {
             return self.put_mass(place, format!("set-{id}"), total);
         }

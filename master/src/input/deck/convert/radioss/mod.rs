@@ -18,6 +18,7 @@ mod surfaces;
 mod ties;
 mod walls;
 
+use super::left_out::{BY_CHOICE, NOT_SUPPORTED};
 use super::parts::DeckPart;
 use super::{DeckConverter, KeywordNames};
 use crate::input::deck::Unsupported;
@@ -35,7 +36,7 @@ use surfaces::StarterSurface;
 
 /// Names in decks of Radioss.
 const RADIOSS: KeywordNames =
-    KeywordNames { node_set: "/GRNOD/...", part: "/PART", curve: "/FUNCT" };
+    KeywordNames { node_set: "/GRNOD/...", part: "/PART", curve: "/FUNCT", system: "/SKEW/FIX" };
 
 /// Material of a part, property of a part and subset, as its card has them.
 #[derive(Clone, Copy, Debug)]
@@ -134,6 +135,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.deck.left_over();
     b.deck.unused_fields();
     b.name_groups();
+    b.deck.without_lost_nodes();
     b.deck.same_names();
     let mut deck = b.deck;
     (std::mem::take(&mut deck.tree).into_node(), deck)
@@ -172,10 +174,10 @@ impl StarterConverter {
         let is_left_out = |name: &str| leave_out.iter().any(|l| l.eq_ignore_ascii_case(name));
         for block in &texts.blocks {
             match keywords::find(&block.name) {
-                _ if is_left_out(&block.name) => {}
-                Some(row) if is_left_out(row.keyword.name) => {}
+                _ if is_left_out(&block.name) => self.note(texts, block, BY_CHOICE),
+                Some(row) if is_left_out(row.keyword.name) => self.note(texts, block, BY_CHOICE),
                 Some(row) => self.block(texts, block, row),
-                None => self.unknown(block),
+                None => self.unknown(texts, block),
             }
         }
     }
@@ -192,6 +194,7 @@ impl StarterConverter {
             Effect::NotYet => {
                 let message = format!("{} is not supported yet: {}", block.name, row.keyword.note);
                 self.deck.unsupported(block.place(), message, block.name.clone());
+                self.note(texts, block, NOT_SUPPORTED);
                 return;
             }
             Effect::Model => {}
@@ -208,6 +211,11 @@ impl StarterConverter {
         }
     }
 
+    /// Notes a block that is not converted, and why.
+    fn note(&mut self, texts: &Texts, block: &KeywordBlock, why: &str) {
+        self.deck.left_out.note(texts, block, &DeckParameters::default(), why);
+    }
+
     /// Notes that an entity refers to units.
     fn note_unit(&mut self, unit: i64, place: Place) {
         if unit != 0 {
@@ -216,7 +224,8 @@ impl StarterConverter {
     }
 
     /// Notes a keyword that the table does not have.
-    fn unknown(&mut self, block: &KeywordBlock) {
+    fn unknown(&mut self, texts: &Texts, block: &KeywordBlock) {
+        self.note(texts, block, NOT_SUPPORTED);
         let near = match keywords::near(&block.name) {
             Some(near) => format!("; the nearest supported keyword is {near}"),
             None => String::new(),

@@ -30,8 +30,11 @@ impl StarterConverter {
             }
             let name = part_name(&record, id, &mut self.names);
             let found = (materials.get(&material), properties.by_id.get(&property));
-            self.add_part(id, place, found.0.map(|m| m.name.clone()));
             self.check_references(&record, found, (materials, properties));
+            if self.deck.is_left_out(id) {
+                continue;
+            }
+            self.add_part(id, place, found.0.map(|m| m.name.clone()));
             let Some(of) = found.1 else { continue };
             let mut table = JobTable::new(record.head).with("id", place, id).with(
                 "name",
@@ -55,6 +58,7 @@ impl StarterConverter {
             used.insert(material);
             self.deck.add("part", table);
         }
+        self.deck.remove_left_out();
         for id in used {
             if let Some(table) = materials.get(&id).and_then(|m| m.table.as_ref()) {
                 self.deck.add("material", table.copy());
@@ -145,16 +149,21 @@ impl StarterConverter {
         (material, property): (Option<&DeckMaterial>, Option<&StarterProperty>),
         (materials, properties): (&BTreeMap<i64, DeckMaterial>, &StarterProperties),
     ) {
+        let part = record.integer("id");
         let is_spring = property.is_some_and(|p| p.kind == SectionKind::Discrete);
         if material.is_none() && !is_spring && property.is_some() {
             let known: Vec<String> = materials.keys().map(i64::to_string).collect();
             let (id, place) = (record.integer("mat"), record.place("mat"));
-            self.deck.missing(place, "/MAT/...", id, &known);
+            if !self.deck.part_lacks(part, ("/MAT/...", "mat"), (id, place)) {
+                self.deck.missing(place, "/MAT/...", id, &known);
+            }
         }
         if property.is_none() {
             let known: Vec<String> = properties.by_id.keys().map(i64::to_string).collect();
             let (id, place) = (record.integer("prop"), record.place("prop"));
-            self.deck.missing(place, "/PROP/...", id, &known);
+            if !self.deck.part_lacks(part, ("/PROP/...", "prop"), (id, place)) {
+                self.deck.missing(place, "/PROP/...", id, &known);
+            }
         }
     }
 

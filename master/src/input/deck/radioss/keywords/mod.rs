@@ -10,7 +10,7 @@ mod output;
 mod parts;
 mod sets;
 
-use crate::input::deck::keywords::KeywordRow;
+use crate::input::deck::keywords::{KeywordRow, similar};
 use crate::input::deck::table::{Card, Effect, Keyword, Times};
 use std::collections::HashMap;
 use std::sync::LazyLock;
@@ -66,10 +66,7 @@ pub fn find(name: &str) -> Option<&'static KeywordRow> {
 pub fn near(name: &str) -> Option<&'static str> {
     /// Smallest similarity; one letter of seven may be wrong.
     const ALIKE: f64 = 0.85;
-    let scores =
-        TABLE.keys().map(|&known| (strsim::normalized_damerau_levenshtein(name, known), known));
-    let (best, known) = scores.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(a.1)))?;
-    (best >= ALIKE).then_some(known)
+    similar(name, &TABLE, ALIKE)
 }
 
 /// Returns true for a keyword of the engine file.
@@ -152,5 +149,6 @@ mod tests {
         assert_eq!(found("/"), None);
         assert_eq!(found(""), None);
         assert_eq!(near("/MAT/ELATS"), Some("/MAT/ELAST"));
+        assert_eq!([near("/PROP/TYPE7"), near("/MAT/LAW37"), near("/MAT/OGDEM")], [None; 3]);
     }
 }
