@@ -392,3 +392,13 @@ fn times_of_fields_and_units_are_used_or_named() {
     let model = with("*CONTROL_UNITS\nmm,ms,kg\n");
     assert_eq!(model.job.units, "mm, ms, kg");
 }
+
+/// Conditions that end a run are named.
+#[test]
+fn conditions_of_the_end_are_ignored_with_a_warning() {
+    for name in ["NODE", "BODY", "CONTACT", "CURVE"] {
+        let said = said(&with(&format!("*TERMINATION_{name}\n1,1,5.0\n")));
+        assert!(said.contains(&format!("*TERMINATION_{name} is not read")), "{said}");
+        assert!(said.contains("it goes on to its end time"), "{said}");
+    }
+}

@@ -39,6 +39,7 @@ mod radioss;
 mod rigid_joints;
 mod rigid_parts;
 mod runs;
+mod sets;
 mod spring_laws;
 mod stops_and_times;
 mod submodels;

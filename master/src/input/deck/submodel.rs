@@ -247,7 +247,7 @@ impl Submodel {
     /// Changes fields that depend on several others.
     fn special(&self, record: &mut CardRecord, trouble: &mut Trouble) {
         match record.row.keyword.name {
-            "SET_NODE_GENERAL" => self.general_set(record),
+            "SET_NODE_GENERAL" | "SET_SEGMENT_GENERAL" => self.general_set(record),
             "DEFINE_BOX" => self.sides(record, trouble),
             _ if self.map.reflects() && record.line("xhev").is_some() => {
                 let message = format!(
@@ -270,7 +270,9 @@ impl Submodel {
             "MAT_ADD_DAMAGE_GISSMO" | "MAT_ADD_EROSION" => {
                 self.negative_curves(record, &["ecrit"]);
             }
-            "PART" if record.line("ixx").is_some() => self.inertia(record),
+            "PART" | "CONSTRAINED_NODAL_RIGID_BODY" if record.line("ixx").is_some() => {
+                self.inertia(record);
+            }
             "INITIAL_VELOCITY_GENERATION" if record.real("nx") == -999.0 => {
                 for name in ["ny", "nz"] {
                     let node = self.id(OffsetKind::Node, record.real(name) as i64) as f64;
@@ -285,15 +287,19 @@ impl Submodel {
         for line in record.all_lines_mut() {
             let word = line.word("option").to_ascii_uppercase();
             let kind = match word.strip_prefix('D').unwrap_or(&word) {
-                "NODE" => OffsetKind::Node,
+                "NODE" | "SEG" => OffsetKind::Node,
                 "PART" => OffsetKind::Part,
-                "BOX" => OffsetKind::Definition,
+                "SHELL" => OffsetKind::Element,
+                "BOX" | "BOX_SHELL" | "BOX_SOLID" => OffsetKind::Definition,
                 _ => OffsetKind::Set,
             };
             let fields = line.fields();
             let values = line.values_mut();
             for (value, _) in values.iter_mut().zip(fields).filter(|(_, f)| f.name == "e") {
                 self.integer(&mut value.given, kind);
+            }
+            if word == "SEG" && self.map.reflects() {
+                reverse_face(line, "e");
             }
         }
     }
@@ -371,21 +377,25 @@ impl Submodel {
 
 /// Reverses the order of the nodes of faces, whose normals a reflection would turn.
 fn reverse_faces(record: &mut CardRecord) {
-    for line in record.all_lines_mut() {
-        let fields = line.fields();
-        let ids: Vec<usize> = (0..fields.len()).filter(|&k| fields[k].name == "n").collect();
-        let values = line.values_mut();
-        let mut nodes: Vec<Given> = ids.iter().map(|&k| values[k].given.clone()).collect();
-        let is_node = |given: &Given| matches!(given, Given::Integer(i) if *i != 0);
-        nodes.retain(is_node);
-        nodes.dedup();
-        let Some(last) = nodes.last().cloned() else { continue };
-        nodes[1..].reverse();
-        let end = nodes.last().cloned().unwrap_or(last);
-        nodes.resize(ids.len(), end);
-        for (&k, given) in ids.iter().zip(nodes) {
-            values[k].given = given;
-        }
+    record.all_lines_mut().iter_mut().for_each(|line| reverse_face(line, "n"));
+}
+
+/// Reverses the order of the four nodes of the face that a list of a line begins with.
+fn reverse_face(line: &mut CardLine, list: &str) {
+    let fields = line.fields();
+    let ids = (0..fields.len()).filter(|&k| fields[k].name == list);
+    let ids: Vec<usize> = ids.take(4).collect();
+    let values = line.values_mut();
+    let mut nodes: Vec<Given> = ids.iter().map(|&k| values[k].given.clone()).collect();
+    let is_node = |given: &Given| matches!(given, Given::Integer(i) if *i != 0);
+    nodes.retain(is_node);
+    nodes.dedup();
+    let Some(last) = nodes.last().cloned() else { return };
+    nodes[1..].reverse();
+    let end = nodes.last().cloned().unwrap_or(last);
+    nodes.resize(ids.len(), end);
+    for (&k, given) in ids.iter().zip(nodes) {
+        values[k].given = given;
     }
 }
 

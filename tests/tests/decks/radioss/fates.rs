@@ -135,6 +135,37 @@ fn fields_that_matter_are_refused() {
     assert!(said(&report).contains("`blank`"), "{}", said(&report));
 }
 
+/// Output and frames that nothing refers to are accepted with a warning. A condition in such a
+/// frame is an error.
+#[test]
+fn requests_of_output_are_no_errors() {
+    let all = said(&model(&with(
+        "/TH/SPRING/1\n=s\nwDEF\ni1\n/TH/QUAD/2\n=q\nwDEF\ni1\n/TH/SURF/3\n=s\nwDEF\ni1\n\
+         /FRAME/MOV/4\n=f\ni1 i2 i3\n/SKEW/MOV/5\n=f\ni1 i2 i3",
+    )));
+    for name in ["/TH/SPRING", "/TH/QUAD", "/TH/SURF", "/FRAME/MOV", "/SKEW/MOV"] {
+        assert!(all.contains(&format!("{name} is not read")), "{name}: {all}");
+    }
+    let lines = "/SKEW/MOV/5\n=f\ni1 i2 i3\n/INIVEL/TRA/2\n=v\nr1 r0 r0 i900 i5";
+    let report = reading(&with(lines), &[]).err().expect("a report");
+    assert!(report.contains("there is no /SKEW/FIX with the id 5"), "{report}");
+}
+
+/// The third number of `/DT/NODA/CST` is a ratio of added mass.
+#[test]
+fn a_ratio_of_added_mass_is_named() {
+    let of = |numbers: &str| {
+        let steps = format!("/DT/NODA/CST/0\n{numbers}\n/END/ENGINE\n");
+        let model = model(&with("").replacen("/END/ENGINE\n", &steps, 1));
+        (model.job.time.mass_scaling_dt, said(&model))
+    };
+    let (plain, of_plain) = of("0.9 1e-5");
+    let (same, of_ratio) = of("0.9 1e-5 0.05");
+    assert_eq!(plain, same);
+    let words = "`massratio` = 0.05 is ignored";
+    assert!(of_ratio.contains(words) && !of_plain.contains(words), "{of_ratio}");
+}
+
 #[test]
 fn the_page_of_keywords_is_current() {
     let page = crumple::input::deck::radioss::page();

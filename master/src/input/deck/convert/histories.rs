@@ -165,17 +165,7 @@ impl DeckConverter {
                 );
                 continue;
             };
-            let raised = [self.rows.raised[0], 0, self.rows.raised[1]][kind];
-            let of_kind = match kind {
-                0 => &self.rows.solids,
-                1 => &self.rows.shells,
-                _ => &self.rows.springs,
-            };
-            let own = |e: &&MeshElement| {
-                let written = e.id.0.saturating_sub(raised) as i64;
-                ranges.iter().any(|r| r[0] <= written && written <= r[1])
-            };
-            elements.extend(of_kind.iter().filter(own).map(|e| e.id.0 as i64));
+            elements.extend(self.elements_in(kind, ranges).iter().map(|e| e.id.0 as i64));
         }
         for field in ["bsid", "tsid"].into_iter().filter(|f| record.integer(f) != 0) {
             let message = format!("{name}: elements of `{field}` are ignored");

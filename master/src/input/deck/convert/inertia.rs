@@ -1,4 +1,5 @@
-//! Converts the cards of `*PART_INERTIA`: mass properties and initial motion of rigid parts.
+//! Converts the cards of `*PART_INERTIA` and `*CONSTRAINED_NODAL_RIGID_BODY_INERTIA`: mass
+//! properties and initial motion of rigid parts and bodies of nodes.
 
 use super::DeckConverter;
 use super::tree::JobTable;
@@ -27,7 +28,7 @@ pub struct DeckInertia {
 }
 
 impl DeckConverter {
-    /// Reads the cards of inertia of a part; `None` for a part without them.
+    /// Reads the cards of inertia of a part or body; `None` if it has none.
     pub(super) fn inertia_card(&mut self, record: &CardRecord) -> Option<DeckInertia> {
         record.line("tm")?;
         if record.integer("ircs") != 0 {
@@ -132,6 +133,67 @@ impl DeckConverter {
             let spin = (w != [0.0; 3]).then_some((w, given.centre));
             self.initial(given.place, Some(set.to_string()), v, spin);
         }
+    }
+
+    /// Adds the inertia of a body of nodes. They carry the mass, in shares that have the centre of
+    /// the card if it is between them.
+    pub(super) fn nodal_inertia(
+        &mut self,
+        record: &CardRecord,
+        (set, members): (&str, &[NodeId]),
+        table: &mut JobTable,
+    ) {
+        let Some(given) = self.inertia_card(record) else { return };
+        let (pid, place) = (record.integer("pid"), given.place);
+        table.put("inertia", place, given.tensor);
+        // Nodes without elements have no mass.
+        let connected = self.rows.nodes_of(|_| true);
+        let is_connected = |node: &NodeId| connected.binary_search(node).is_ok();
+        let nodes: Vec<NodeId> = members.iter().copied().filter(is_connected).collect();
+        let points: Vec<[f64; 3]> = nodes.iter().filter_map(|&node| self.rows.at(node)).collect();
+        let [v, w] = given.motion;
+        if given.motion != [[0.0; 3]; 2] {
+            let spin = (w != [0.0; 3]).then_some((w, given.centre));
+            self.initial(place, Some(set.to_string()), v, spin);
+        }
+        if given.mass <= 0.0 || nodes.is_empty() || points.len() < nodes.len() {
+            return;
+        }
+        let each = given.mass / nodes.len() as f64;
+        let shares = centre::factors(&vec![each; nodes.len()], &points, given.centre);
+        let used = match &shares {
+            Some(_) => "mass of its nodes with this centre, inertia of the rigid body",
+            None => "mass of its nodes in equal shares, inertia of the rigid body",
+        };
+        self.map(format!("body-{pid}"), format!("inertia: mass {}", given.mass), used);
+        let message = format!("body {pid}: its mass is tm and the masses of its nodes");
+        let help = "the original has tm for all; a body whose motion is prescribed does not depend \
+                    on its mass";
+        self.trouble.warning(place, message, help);
+        match shares {
+            Some(factors) => {
+                for (node, factor) in nodes.into_iter().zip(factors) {
+                    self.add_mass(&format!("body-{pid} mass"), vec![node], each * factor, place);
+                }
+            }
+            None => {
+                let message = format!(
+                    "body {pid}: its centre of mass is {:?} in the deck, which is not between its \
+                     nodes",
+                    given.centre
+                );
+                let help = "the body has the centre of its nodes: add nodes around the centre";
+                self.trouble.warning(place, message, help);
+                self.add_mass(&format!("body-{pid} mass"), nodes, given.mass, place);
+            }
+        }
+    }
+
+    /// Adds a mass in equal shares on nodes; their set has the name, or that with a number.
+    fn add_mass(&mut self, name: &str, nodes: Vec<NodeId>, mass: f64, place: Place) {
+        let set = self.rows.add_new_set(name, nodes, place);
+        let table = JobTable::new(place).with("nodes", place, set);
+        self.add("mass", table.with("mass", place, mass));
     }
 
     /// Returns true if masses of the elements of parts can have this centre.

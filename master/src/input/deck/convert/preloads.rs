@@ -1,7 +1,7 @@
 //! Converts `*INITIAL_AXIAL_FORCE_BEAM`: preloads of beams, such as bolts.
 
 use super::DeckConverter;
-use super::sets::{ElementSets, ids};
+use super::sets::ElementSets;
 use crate::input::deck::record::CardLine;
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ pub struct DeckPreload {
 impl DeckConverter {
     /// Reads the preloads of all parts. The beams and curves are known.
     pub(super) fn read_preloads(&mut self) {
-        let sets = self.beam_sets();
+        let sets = self.sets_of("SET_BEAM", "SET_BEAM_ADD");
         for record in self.take_records("INITIAL_AXIAL_FORCE_BEAM") {
             for line in record.lines("bsid") {
                 self.preload(line, &sets, &record.name());
@@ -81,20 +81,5 @@ impl DeckConverter {
             );
             self.unsupported(preload.place, message, "*INITIAL_AXIAL_FORCE_BEAM".into());
         }
-    }
-
-    /// Returns the sets of beams.
-    fn beam_sets(&mut self) -> ElementSets {
-        let mut sets = ElementSets::new();
-        for record in self.take_records("SET_BEAM") {
-            let own = ids(&record, "id").into_iter().map(|(e, _)| [e, e]);
-            sets.entry(record.integer("sid")).or_default().extend(own);
-        }
-        for record in self.take_records("SET_BEAM_GENERATE") {
-            let ends: Vec<i64> = ids(&record, "id").into_iter().map(|e| e.0).collect();
-            let own = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
-            sets.entry(record.integer("sid")).or_default().extend(own);
-        }
-        sets
     }
 }

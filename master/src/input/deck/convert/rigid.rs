@@ -230,8 +230,10 @@ impl DeckConverter {
             let mut table = JobTable::new(place).with("name", place, name.as_str()).with(
                 "nodes",
                 record.place(field),
-                set,
+                set.as_str(),
             );
+            let members = self.node_sets[&nsid].0.clone();
+            self.nodal_inertia(&record, (&set, &members), &mut table);
             if record.has("SPC") {
                 let fixed = self.held_centre(&record);
                 if !fixed.is_empty() {

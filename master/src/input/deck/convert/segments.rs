@@ -38,7 +38,7 @@ pub(super) fn segment(line: &CardLine) -> DeckSegment {
 }
 
 /// Returns the nodes of a face in ascending order.
-fn key(nodes: &[NodeId]) -> Vec<NodeId> {
+pub(super) fn key(nodes: &[NodeId]) -> Vec<NodeId> {
     let mut key = nodes.to_vec();
     key.sort_unstable();
     key.dedup();
@@ -46,13 +46,6 @@ fn key(nodes: &[NodeId]) -> Vec<NodeId> {
 }
 
 impl DeckConverter {
-    pub(super) fn segment_sets(&mut self) {
-        for record in self.take_records("SET_SEGMENT") {
-            let segments = record.lines("n").map(segment).collect();
-            self.segment_sets.insert(record.integer("sid"), segments);
-        }
-    }
-
     pub(super) fn pressures(&mut self) {
         let mut loads = self.shell_pressures();
         for record in self.take_records("LOAD_SEGMENT") {
@@ -65,15 +58,8 @@ impl DeckConverter {
             for line in record.lines("lcid") {
                 self.arrival(line);
                 let ssid = line.integer("ssid");
-                match self.segment_sets.get(&ssid).cloned() {
-                    Some(set) => {
-                        loads.push((line.integer("lcid"), line.real("sf"), line.place, set))
-                    }
-                    None => {
-                        let known: Vec<String> =
-                            self.segment_sets.keys().map(i64::to_string).collect();
-                        self.missing(line.place("ssid"), "*SET_SEGMENT", ssid, &known);
-                    }
+                if let Some(set) = self.segment_set(ssid, line.place("ssid")) {
+                    loads.push((line.integer("lcid"), line.real("sf"), line.place, set));
                 }
             }
         }
@@ -133,11 +119,7 @@ impl DeckConverter {
             let lines: Vec<CardLine> = record.lines("ssid").cloned().collect();
             for line in lines {
                 let (ssid, place) = (line.integer("ssid"), line.place("ssid"));
-                let Some(segments) = self.segment_sets.get(&ssid).cloned() else {
-                    let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
-                    self.missing(place, "*SET_SEGMENT", ssid, &known);
-                    continue;
-                };
+                let Some(segments) = self.segment_set(ssid, place) else { continue };
                 for (_, group, nodes) in self.groups_of_faces(&segments, false) {
                     number += 1;
                     let set = format!("non-reflecting-{number}");

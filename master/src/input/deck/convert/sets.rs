@@ -1,40 +1,107 @@
 //! Converts sets of nodes and of parts.
 
 use super::DeckConverter;
-use crate::input::deck::record::CardRecord;
+use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
+use crumple_proto::mesh::MeshElement;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Sets of elements: keyword, keyword with ranges, and field of a cross section that names the
-/// set.
+/// Sets of elements: keyword, keyword of sets of sets, and field of a cross section that names the
+/// set. The keyword with ranges ends in `_GENERATE`.
 pub const ELEMENT_SETS: [(&str, &str, &str); 3] = [
-    ("SET_SOLID", "SET_SOLID_GENERATE", "hsid"),
-    ("SET_SHELL_LIST", "SET_SHELL_LIST_GENERATE", "ssid"),
-    ("SET_DISCRETE", "SET_DISCRETE_GENERATE", "dsid"),
+    ("SET_SOLID", "SET_SOLID_ADD", "hsid"),
+    ("SET_SHELL_LIST", "SET_SHELL_ADD", "ssid"),
+    ("SET_DISCRETE", "SET_DISCRETE_ADD", "dsid"),
 ];
+/// Index of sets of solids in [`ELEMENT_SETS`].
+pub const SOLID_SETS: usize = 0;
 /// Index of sets of shells in [`ELEMENT_SETS`].
 pub const SHELL_SETS: usize = 1;
+/// Index of sets of springs in [`ELEMENT_SETS`].
+const SPRING_SETS: usize = 2;
 
 /// Elements of sets by id: ranges from the first to the last id.
 pub type ElementSets = BTreeMap<i64, Vec<[i64; 2]>>;
 
+/// Members of a set of nodes from other sets.
+#[derive(Default)]
+struct SetMembers {
+    /// Sets of nodes, with their places.
+    sets: Vec<(i64, Place)>,
+    /// Nodes of other kinds of sets.
+    nodes: BTreeSet<NodeId>,
+}
+
 impl DeckConverter {
     /// Reads the sets of elements, in the order of [`ELEMENT_SETS`].
     pub(super) fn read_element_sets(&mut self) {
-        self.element_sets = ELEMENT_SETS.map(|(list, ranges, _)| {
-            let mut sets = ElementSets::new();
-            for record in self.take_records(list) {
-                let own = ids(&record, "id").into_iter().map(|(e, _)| [e, e]);
-                sets.entry(record.integer("sid")).or_default().extend(own);
+        self.element_sets = ELEMENT_SETS.map(|(list, adding, _)| self.sets_of(list, adding));
+    }
+
+    /// Reads sets of one kind of elements: lists, ranges, and sets of sets.
+    pub(super) fn sets_of(&mut self, list: &str, adding: &str) -> ElementSets {
+        let mut sets = ElementSets::new();
+        for record in self.take_records(list) {
+            let own = ids(&record, "id").into_iter().map(|(e, _)| [e, e]);
+            sets.entry(record.integer("sid")).or_default().extend(own);
+        }
+        for record in self.take_records(&format!("{list}_GENERATE")) {
+            let ends: Vec<i64> = ids(&record, "id").into_iter().map(|e| e.0).collect();
+            let own = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+            sets.entry(record.integer("sid")).or_default().extend(own);
+        }
+        let adding = self.take_records(adding);
+        // Sets of sets may name those that come later.
+        for _ in 0..=adding.len() {
+            for record in &adding {
+                let others = ids(record, "id");
+                let own = others.iter().filter_map(|(other, _)| sets.get(other));
+                let own = own.flatten().copied().collect();
+                sets.insert(record.integer("sid"), own);
             }
-            for record in self.take_records(ranges) {
-                let ends: Vec<i64> = ids(&record, "id").into_iter().map(|e| e.0).collect();
-                let own = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
-                sets.entry(record.integer("sid")).or_default().extend(own);
+        }
+        for (other, place) in adding.iter().flat_map(|record| ids(record, "id")) {
+            if !sets.contains_key(&other) {
+                let known: Vec<String> = sets.keys().map(i64::to_string).collect();
+                self.missing(place, &format!("*{list}"), other, &known);
             }
-            sets
-        });
+        }
+        sets
+    }
+
+    /// Returns the elements of a set of the index `kind` in [`ELEMENT_SETS`]. Reports an error at
+    /// `place` if there is none.
+    pub(super) fn elements_of_set(
+        &mut self,
+        kind: usize,
+        set: i64,
+        place: Place,
+    ) -> Vec<MeshElement> {
+        match self.element_sets[kind].get(&set) {
+            Some(ranges) => self.elements_in(kind, ranges),
+            None => {
+                let known = self.element_sets[kind].keys().map(i64::to_string);
+                let known: Vec<String> = known.collect();
+                self.missing(place, &format!("*{}", ELEMENT_SETS[kind].0), set, &known);
+                Vec::new()
+            }
+        }
+    }
+
+    /// Returns the elements in ranges of the ids that the deck has for them; `kind` is their index
+    /// in [`ELEMENT_SETS`].
+    pub(super) fn elements_in(&self, kind: usize, ranges: &[[i64; 2]]) -> Vec<MeshElement> {
+        let (of_kind, raised) = match kind {
+            SOLID_SETS => (&self.rows.solids, self.rows.raised[0]),
+            SHELL_SETS => (&self.rows.shells, 0),
+            _ => (&self.rows.springs, self.rows.raised[1]),
+        };
+        let own = |e: &&MeshElement| {
+            let written = e.id.0.saturating_sub(raised) as i64;
+            ranges.iter().any(|r| r[0] <= written && written <= r[1])
+        };
+        of_kind.iter().filter(own).copied().collect()
     }
 
     pub(super) fn sets(&mut self) {
@@ -73,12 +140,13 @@ impl DeckConverter {
             self.keep_nodes(&record, nodes);
         }
         // Sets of sets may name those that come later.
-        let adding = self.take_records("SET_NODE_ADD");
+        let adding = self.take_in_order(&["SET_NODE_ADD", "SET_NODE_ADD_ADVANCED"]);
+        let members: Vec<SetMembers> = adding.iter().map(|record| self.members(record)).collect();
         for _ in 0..=adding.len() {
-            for record in &adding {
-                let mut nodes: BTreeSet<NodeId> = BTreeSet::new();
-                for (other, _) in ids(record, "id") {
-                    nodes.extend(self.node_sets.get(&other).into_iter().flat_map(|s| &s.0));
+            for (record, members) in adding.iter().zip(&members) {
+                let mut nodes = members.nodes.clone();
+                for (other, _) in &members.sets {
+                    nodes.extend(self.node_sets.get(other).into_iter().flat_map(|s| &s.0));
                 }
                 self.node_sets.insert(
                     record.integer("sid"),
@@ -86,12 +154,53 @@ impl DeckConverter {
                 );
             }
         }
-        for record in &adding {
-            for (other, place) in ids(record, "id") {
+        for (record, members) in adding.iter().zip(members) {
+            for (other, place) in members.sets {
                 self.node_set(other, place);
             }
             self.named(record);
         }
+    }
+
+    /// Returns the members of a set of sets. The fields `type` of `*SET_NODE_ADD_ADVANCED` are the
+    /// kinds of its sets.
+    fn members(&mut self, record: &CardRecord) -> SetMembers {
+        let mut members = SetMembers::default();
+        let lines: Vec<CardLine> = record.lines("id").cloned().collect();
+        for line in lines {
+            let kinds = line.all_integers("type");
+            for (k, set) in line.all_integers("id").into_iter().enumerate() {
+                let place = line.place("id");
+                let found: Vec<NodeId> = match (set, kinds.get(k).copied().unwrap_or(1)) {
+                    (0, _) => continue,
+                    (_, 0 | 1) => {
+                        members.sets.push((set, place));
+                        continue;
+                    }
+                    (_, 5) => {
+                        let segments = self.segment_set(set, place).unwrap_or_default();
+                        segments.into_iter().flat_map(|segment| segment.nodes).collect()
+                    }
+                    (_, kind @ (2 | 4 | 6)) => {
+                        let kind = match kind {
+                            2 => SHELL_SETS,
+                            4 => SOLID_SETS,
+                            _ => SPRING_SETS,
+                        };
+                        let elements = self.elements_of_set(kind, set, place);
+                        elements.iter().flat_map(|e| e.corners().to_vec()).collect()
+                    }
+                    _ => {
+                        let why = "use 1 (nodes), 2 (shells), 4 (solids), 5 (segments) or 6 \
+                                   (springs)";
+                        self.unsupported_value(record, "type", why);
+                        continue;
+                    }
+                };
+                members.nodes.extend(found);
+            }
+        }
+        members
     }
 
     fn part_lists(&mut self) {
@@ -121,6 +230,12 @@ impl DeckConverter {
                 parts.sort_by_key(|p| p.0);
                 parts.dedup_by_key(|p| p.0);
                 self.part_sets.insert(record.integer("sid"), parts);
+            }
+        }
+        for (other, place) in adding.iter().flat_map(|record| ids(record, "id")) {
+            if !self.part_sets.contains_key(&other) {
+                let known: Vec<String> = self.part_sets.keys().map(i64::to_string).collect();
+                self.missing(place, "*SET_PART_...", other, &known);
             }
         }
     }

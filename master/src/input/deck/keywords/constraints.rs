@@ -1,6 +1,7 @@
 //! Rigid bodies and constraints between nodes.
 
 use super::id;
+use super::parts::{inertia, local_inertia};
 use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
@@ -23,12 +24,21 @@ pub const KEYWORDS: &[Keyword] = &[
             ("heading:l", Count(super::title)),
             ("pid:i! cid:i nsid:i pnode:i iprt:i drflag:i rrflag:i", Once),
             ("cmo:r con1:r con2:r", Count(spc)),
+            ("xc:r yc:r zc:r tm:r! ircs:i nodeid:i", Count(inertia)),
+            ("ixx:r! ixy:r ixz:r iyy:r! iyz:r izz:r!", Count(inertia)),
+            ("vtx:r vty:r vtz:r vrx:r vry:r vrz:r", Count(inertia)),
+            ("xl:r yl:r zl:r xlip:r ylip:r zlip:r cid2:i", Count(local_inertia)),
         ],
         "`[[rigid]]` body `body-PID` of the node set. Card of _SPC: `fixed`, as of MAT_RIGID; only \
-         in global axes (cmo 1)",
+         in global axes (cmo 1). Cards of _INERTIA: `inertia` of the body, tm as `[[mass]]` of its \
+         nodes with the centre xc, yc, zc, if that is between them (their own masses are added), \
+         and its `[[initial_velocity]]`",
     )
-    .unused(&[no_effect("cid pnode iprt", "they are for output")])
-    .options(&["TITLE", "SPC"])
+    .unused(&[
+        no_effect("cid pnode iprt", "they are for output"),
+        no_effect("xl yl zl xlip ylip zlip cid2", "axes of the inertia are not supported"),
+    ])
+    .options(&["TITLE", "SPC", "INERTIA"])
     .repeats(),
     Keyword::new(
         "CONSTRAINED_EXTRA_NODES_NODE",

@@ -238,6 +238,13 @@ pub const KEYWORDS: &[Keyword] = &[
         "nrcyck drtol drfctr drterm tssfdr irelal edttl",
         "they are for a relaxation before the run",
     )]),
+    Keyword::new(
+        "TERMINATION_NODE",
+        ANY,
+        "no motion and no contact ends a run: it goes on to its end time. Give an earlier one",
+    )
+    .aliases(&["TERMINATION_BODY", "TERMINATION_CONTACT", "TERMINATION_CURVE"])
+    .effect(Harmless),
     harmless("CONTROL_ACCURACY", "not used: results do not depend on any order"),
     harmless("CONTROL_CPU", "not used"),
     harmless("CONTROL_SOLID", "not used"),

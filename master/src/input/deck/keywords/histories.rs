@@ -31,6 +31,12 @@ const fn ranges(name: &'static str, aliases: &'static [&'static str]) -> Keyword
         .options(&["TITLE"])
 }
 
+const fn adding(name: &'static str) -> Keyword {
+    Keyword::new(name, ELEMENTS, "the same from other sets of these elements")
+        .unused(ATTRIBUTES)
+        .options(&["TITLE"])
+}
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "DATABASE_CROSS_SECTION_SET",
@@ -77,16 +83,20 @@ pub const KEYWORDS: &[Keyword] = &[
     ]),
     elements("SET_SHELL_LIST", &["SET_SHELL"]),
     ranges("SET_SHELL_LIST_GENERATE", &["SET_SHELL_GENERATE"]),
+    adding("SET_SHELL_ADD"),
     elements("SET_SOLID", &["SET_SOLID_LIST"]),
     ranges("SET_SOLID_GENERATE", &["SET_SOLID_LIST_GENERATE"]),
+    adding("SET_SOLID_ADD"),
     elements("SET_DISCRETE", &["SET_DISCRETE_LIST"]),
     ranges("SET_DISCRETE_GENERATE", &["SET_DISCRETE_LIST_GENERATE"]),
+    adding("SET_DISCRETE_ADD"),
     elements("SET_BEAM", &["SET_BEAM_LIST"]),
     ranges("SET_BEAM_GENERATE", &["SET_BEAM_LIST_GENERATE"]),
+    adding("SET_BEAM_ADD"),
     Keyword::new(
         "SET_SHELL_GENERAL",
         &[("card:l", Rest)],
-        "not used: no supported keyword refers to it",
+        "not read: list the elements, or give ranges of ids",
     )
     .aliases(&["SET_SOLID_GENERAL", "SET_DISCRETE_GENERAL", "SET_BEAM_GENERAL"])
     .options(&["TITLE", "LIST", "GENERATE", "GENERAL"])

@@ -154,11 +154,13 @@ fn of_another_kind(record: &CardRecord) -> usize {
     usize::from(integrated(record) + resultant(record) + discrete(record) == 0)
 }
 
-fn inertia(record: &CardRecord) -> usize {
+/// Returns 1 with the option `INERTIA`.
+pub(super) fn inertia(record: &CardRecord) -> usize {
     usize::from(record.has("INERTIA"))
 }
 
-fn local_inertia(record: &CardRecord) -> usize {
+/// Returns 1 with the option `INERTIA` and axes of its own.
+pub(super) fn local_inertia(record: &CardRecord) -> usize {
     usize::from(record.has("INERTIA") && record.integer("ircs") == 1)
 }
 

@@ -70,6 +70,17 @@ pub const KEYWORDS: &[Keyword] = &[
         .unused(ATTRIBUTES)
         .options(&["TITLE"]),
     Keyword::new(
+        "SET_NODE_ADD_ADVANCED",
+        &[
+            ("heading:l", Count(title)),
+            ("sid:i! da1:r da2:r da3:r da4:r", Once),
+            ("id:i type:i=1 id:i type:i=1 id:i type:i=1 id:i type:i=1", Rest),
+        ],
+        "the same from sets of nodes (type 1), shells (2), solids (4), segments (5) or springs (6)",
+    )
+    .unused(ATTRIBUTES)
+    .options(&["TITLE"]),
+    Keyword::new(
         "SET_NODE_GENERAL",
         &[
             ("heading:l", Count(title)),
@@ -101,6 +112,22 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(ATTRIBUTES)
     .options(&["TITLE"]),
+    Keyword::new(
+        "SET_SEGMENT_GENERAL",
+        &[
+            ("heading:l", Count(title)),
+            ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
+            ("option:a! e:i*7", Rest),
+        ],
+        "the same by ALL, SEG, PART, SHELL, SET, SET_SHELL, SET_SOLID, BOX, BOX_SHELL and \
+         BOX_SOLID: all shells, and the faces of solids that no other solid of the part has. DSEG, \
+         DPART and DBOX remove segments",
+    )
+    .unused(ATTRIBUTES)
+    .options(&["TITLE"]),
+    Keyword::new("SET_SEGMENT_ADD", LIST, "the same from other sets of segments")
+        .unused(ATTRIBUTES)
+        .options(&["TITLE"]),
     Keyword::new(
         "DEFINE_CURVE",
         &[

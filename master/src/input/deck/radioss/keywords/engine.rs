@@ -4,7 +4,7 @@ use super::{ANY, harmless};
 use crate::input::deck::table::{
     Keyword,
     Times::{self, Maybe, Once},
-    no_effect, refused,
+    ignored, no_effect, refused,
 };
 
 const INTERVAL: &[(&str, Times)] = &[("tstart:r dt:r!", Once)];
@@ -23,10 +23,17 @@ pub const KEYWORDS: &[Keyword] = &[
         .unused(&[refused("dtmin", "a smallest step; use /DT/NODA/CST")]),
     Keyword::new(
         "/DT/NODA/CST",
-        STEP,
+        &[("scale:r dtmin:r massratio:r", Maybe)],
         "`time.safety`, and `time.mass_scaling_dt`: the smallest step over the scale, as mass is \
          added before the safety factor",
-    ),
+    )
+    .aliases(&["/DT/NODA/CST1", "/DT/NODA/CST2"])
+    .unused(&[ignored(
+        "massratio",
+        "the smallest step is dtmin: no larger one is computed from a \
+                                    ratio of added mass, so less mass is added and a run takes \
+                                    more cycles",
+    )]),
     Keyword::new(
         "/DT/BRICK",
         STEP,
