@@ -96,6 +96,53 @@ fn the_largest_strain_fades_the_stress() {
     }
 }
 
+/// Strains to failure in five tests become a curve over the triaxiality.
+#[test]
+fn parabolas_give_the_strain_to_failure() {
+    let steel = "/MAT/PLAS_JOHNS/1\n=m\nr7.85e-6\nr200.0 r0.3\nr0.3 r0.2 r1.0\n";
+    let law = |fail: &str| of_law(&format!("{steel}/FAIL/BIQUAD/1\n{fail}"));
+    let at = |model: &Model, x: f64| {
+        let rows = rows(model, "gissmo_failure_strain");
+        rows.iter().find(|row| (row[0] - x).abs() < 1e-9).map(|row| row[1]).expect("a point")
+    };
+    let tests = [-1.0 / 3.0, 0.0, 1.0 / 3.0, 1.0 / 3.0f64.sqrt(), 2.0 / 3.0];
+    let five = law("r2.0 r1.0 r0.6 r0.4 r0.9");
+    for (x, c) in tests.into_iter().zip([2.0, 1.0, 0.6, 0.4, 0.9]) {
+        assert!((at(&five, x) - c).abs() < 1e-12, "{x}");
+    }
+    assert_eq!(number(&five, "gissmo_failed_points"), 1.0);
+    // The vertex at plane strain: 0.4 + 0.2 (x - x0)^2/(1/3 - x0)^2.
+    let x0 = tests[3];
+    let wanted = 0.4 + 0.2 * ((0.4 - x0) / (1.0 / 3.0 - x0)).powi(2);
+    assert!((at(&five, 0.4) - wanted).abs() < 1e-12);
+    let mild = law("r0 r0 r0.5");
+    for (x, ratio) in tests.into_iter().zip([3.5, 1.6, 1.0, 0.6, 1.5]) {
+        assert!((at(&mild, x) - 0.5 * ratio).abs() < 1e-12, "{x}");
+    }
+    let ratios = law("r0 r0 r0.5\nr0.5 i99 i1\nr4 r2 r0.5 r1\n_ i1 r0.7 r2");
+    assert!((at(&ratios, 0.0) - 1.0).abs() < 1e-12);
+    let keys = ["gissmo_failed_points", "gissmo_critical_damage", "gissmo_fading_exponent"];
+    assert_eq!(keys.map(|key| number(&ratios, key)), [-50.0, 0.7, 2.0]);
+    let sized = law("r0 r0 r0.5\nr0 i2 i0 r0 _ i9 r4.0\n/FUNCT/9\n=f\nr0.5 r1.0\nr2.0 r0.8");
+    assert_eq!(rows(&sized, "gissmo_size_factors"), [[2.0, 1.0], [8.0, 0.8]]);
+    let refused = |law: &str, fail: &str| {
+        let lines = deck(&format!("{law}/FAIL/BIQUAD/1\n{fail}"));
+        let text = mesh() + &properties() + &moves() + &lines;
+        super::reading(&text, &[]).err().unwrap_or_else(|| panic!("{fail}"))
+    };
+    let elastic = "/MAT/ELAST/1\n=m\nr7.85e-6\nr200.0 r0.3\n";
+    for (law, fail, words) in [
+        (steel, "r2 r1 r0.6 r0.4 r0.9\nr0 i0 i3 r0.2", "`sflag` = 3"),
+        (steel, "r0 r0 r0.5\nr0 i8", "`mflag` = 8"),
+        (steel, "r2 r1 r0.6 r0.4 r0", "c1 to c5 are [2.0, 1.0, 0.6, 0.4, 0.0]"),
+        (steel, "r0 r0 r0.5\nr0\n_ i2", "`icoup` = 2"),
+        (elastic, "r0 r0 r0.5", "/MAT/LAW1 has no plastic strain"),
+    ] {
+        let report = refused(law, fail);
+        assert!(report.contains(words), "{words}: {report}");
+    }
+}
+
 /// A deck with another material.
 fn of_law(lines: &str) -> Model {
     model(&(mesh() + &properties() + &moves() + &deck(lines)))

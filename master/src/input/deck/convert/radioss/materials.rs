@@ -1,4 +1,5 @@
 //! Converts `/MAT/...`, `/FAIL/JOHNSON` and `/FAIL/TENSSTRAIN`: laws and their parameters.
+//! `biquad.rs` converts `/FAIL/BIQUAD`.
 
 use super::StarterConverter;
 use crate::input::deck::BEYOND_ALL_STRAINS;
@@ -29,6 +30,7 @@ impl StarterConverter {
     pub(super) fn materials(&mut self) -> BTreeMap<i64, DeckMaterial> {
         let failures = self.failures("/FAIL/JOHNSON");
         let strains = self.failures("/FAIL/TENSSTRAIN");
+        let parabolas = self.failures("/FAIL/BIQUAD");
         let mut found: BTreeMap<i64, DeckMaterial> = BTreeMap::new();
         for record in self.take(&KEYWORDS) {
             let (id, place) = (record.integer("id"), record.place("id"));
@@ -50,6 +52,17 @@ impl StarterConverter {
             }
             if let Some(limits) = strains.get(&id) {
                 self.largest_strain(limits, &mut table);
+            }
+            match parabolas.get(&id) {
+                Some(card) if !matches!(keyword, "/MAT/LAW0" | "/MAT/LAW1") => {
+                    self.biquad(card, &mut table);
+                }
+                Some(card) => {
+                    let message =
+                        format!("/FAIL/BIQUAD/{id}: the law {keyword} has no plastic strain");
+                    self.deck.unsupported(card.head, message, "/FAIL/BIQUAD".into());
+                }
+                None => {}
             }
             let density = record.real("rho");
             let material = DeckMaterial {
@@ -75,8 +88,11 @@ impl StarterConverter {
                 self.twice("materials", id, place);
             }
         }
-        for (id, failure) in
-            failures.iter().chain(&strains).filter(|(id, _)| !found.contains_key(id))
+        for (id, failure) in failures
+            .iter()
+            .chain(&strains)
+            .chain(&parabolas)
+            .filter(|(id, _)| !found.contains_key(id))
         {
             let known: Vec<String> = found.keys().map(i64::to_string).collect();
             self.deck.missing(failure.place("id"), "/MAT/...", *id, &known);

@@ -2,6 +2,7 @@
 //!
 //! It uses the data and the tables of [`DeckConverter`], as decks of LS-DYNA do.
 
+mod biquad;
 mod bodies;
 mod contact;
 mod control;

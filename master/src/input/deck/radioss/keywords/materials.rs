@@ -24,6 +24,11 @@ fn sizes(record: &CardRecord) -> usize {
     usize::from(matches!(record.integer("sflag"), 2 | 3))
 }
 
+/// Returns 1 if strains to failure are given by ratios.
+fn ratios(record: &CardRecord) -> usize {
+    usize::from(record.integer("mflag") == 99)
+}
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new("/MAT/LAW1", &[TITLE, DENSITY, ("e:r20! nu:r20", Once)], "law `elastic`")
         .aliases(&["/MAT/ELAST"])
@@ -143,6 +148,21 @@ pub const KEYWORDS: &[Keyword] = &[
         refused("epsf2", "a limit of the second principal strain"),
         no_effect("failid", "it is for output"),
     ]),
+    Keyword::new(
+        "/FAIL/BIQUAD",
+        &[
+            ("c1:r20 c2:r20 c3:r20 c4:r20 c5:r20", Once),
+            ("pthick:r20 mflag:i sflag:i=2 inst:r20 blank:a10 fctel:i elref:r20", Maybe),
+            ("r1:r20 r2:r20 r4:r20 r5:r20", AtMost(ratios)),
+            ("blank:a10 icoup:i dcrit:r20 exp:r20=1", Maybe),
+            ("failid:i", Maybe),
+        ],
+        "`gissmo_failure_strain` of the material with this id: points of the parabolas over the \
+         triaxiality from -1 to 1. pthick is `gissmo_failed_points`, with 0 a shell goes with its \
+         first failed point; fctel over the size elref is `gissmo_size_factors`; with dcrit the \
+         stress fades from this damage on",
+    )
+    .unused(&[no_effect("inst", "it is for S-Flag 3"), no_effect("failid", "it is for output")]),
     not_yet("/MAT/PLAS_ZERIL", "the law of Zerilli and Armstrong; use /MAT/LAW2 or /MAT/LAW44"),
     not_yet("/MAT/LAW3", "hydrodynamic plasticity").aliases(&["/MAT/HYDPLA"]),
     not_yet("/MAT/LAW27", "brittle plasticity").aliases(&["/MAT/PLAS_BRIT"]),
