@@ -376,6 +376,15 @@ fn a_main_node_stands_for_its_body() {
         /CLOAD/1
         =pull
         i1 wY i0 i0 i3 _ r1 r0.25
+        /TH/NODE/4
+        =of the body
+        wDEF
+        i90 i0
+        /TH/NODE/5
+        =of both
+        wDEF
+        i90 i0
+        i11 i0
         /BCS/1
         =held";
     let deck = with(lines) + "   110 001         0         3\n";
@@ -383,6 +392,9 @@ fn a_main_node_stands_for_its_body() {
     let body = &model.job.rigid[0];
     let [of_body, of_node] = [&body.load[0].force, &model.job.load[0].force];
     assert_eq!([of_body, of_node], [&[0.0, 0.25, 0.0]; 2], "on body and corner");
+    let [history] = &model.job.output.node[..] else { panic!("one history") };
+    assert_eq!((&*history.name, set(&model, &history.nodes)), ("of both", vec![11]));
+    assert!(said(&model).contains("/TH/NODE/4: node 90, the main node of a body"));
     let kept = deck.replace(&card("i90 i0 i0 i0 r2.5 i2"), &card("i90 i0 i0 i0 r2.5 i2 i0 i3"));
     let refused = reading(&kept, &[]).err().expect("a lever");
     assert!(refused.contains("not at the centre of the body"), "{refused}");

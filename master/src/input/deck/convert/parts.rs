@@ -413,6 +413,12 @@ impl DeckConverter {
                 let (form, origin) = match wanted {
                     Some(form) => {
                         table.put("hourglass", card.place("elform"), form);
+                        let message = format!(
+                            "part {id}: elform {elform} has several points per element, here there \
+                             is one"
+                        );
+                        let help = "compare with a finer mesh where solids bend";
+                        self.trouble.warning(card.place("elform"), message, help);
                         (form, "")
                     }
                     None => self.hourglass(record, sections, table, true),

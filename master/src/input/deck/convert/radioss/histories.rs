@@ -3,6 +3,7 @@
 use super::StarterConverter;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::number;
+use crumple_proto::ids::NodeId;
 
 /// Columns of an id.
 const WIDTH: usize = 10;
@@ -33,7 +34,23 @@ impl StarterConverter {
                 false => title,
             };
             let list = format!("history-{}", record.integer("id"));
-            let nodes = ids.iter().filter_map(|&n| super::groups::node(n)).collect();
+            let mut nodes: Vec<NodeId> =
+                ids.iter().filter_map(|&n| super::groups::node(n)).collect();
+            let is_main = |node: &NodeId| self.deck.rows.stand_ins.contains(node);
+            if let Some(main) = nodes.iter().find(|node| is_main(node)) {
+                let message = format!(
+                    "/TH/NODE/{}: node {}, the main node of a body, is in no element and has no \
+                     history",
+                    record.integer("id"),
+                    main.label()
+                );
+                let help = "name a node of the body that elements have";
+                self.deck.trouble.warning(record.head, message, help);
+            }
+            nodes.retain(|node| !self.deck.rows.stand_ins.contains(node));
+            if nodes.is_empty() {
+                continue;
+            }
             let list = self.deck.rows.add_new_set(&list, nodes, record.head);
             let table = JobTable::new(record.head).with("name", record.place("title"), name).with(
                 "nodes",
