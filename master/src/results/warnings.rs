@@ -26,8 +26,9 @@ pub const CREATED_CURE: &str = "Look for parts that penetrate each other at the 
 const MUCH_TAKEN: f64 = 0.1;
 /// Cure of contact that takes energy without friction.
 const TAKEN_CURE: &str = "The first touch takes the velocity at which two nodes meet, with the \
-                          energy of their masses: less in a finer mesh. Compare a run with a \
-                          finer mesh where parts meet, or with another contact.law";
+                          energy of their masses: less in a finer mesh. Springs of penalty \
+                          contact store energy while they are pressed. Compare a run with a finer \
+                          mesh where parts meet, or with another contact.law";
 /// Mass added by mass scaling over the mass of a part, and of the whole model.
 const MUCH_MASS: [f64; 2] = [0.1, 0.05];
 /// Stable step over that of the start.

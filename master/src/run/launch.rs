@@ -528,16 +528,20 @@ fn print_summary(s: &Summary, out: &Path) {
         s.dt.min
     );
     let e = &s.energy;
+    let percent = |error: f64| match error.is_finite() {
+        true => format!("{:.3} %", 100.0 * error),
+        false => "unknown".to_string(),
+    };
     say!(
         "energy: kinetic {:.4e} internal {:.4e} hourglass {:.4e} contact work {:.4e} \
-         wall work {:.4e}, error {:.3} % (max {:.3} %)",
+         wall work {:.4e}, error {} (max {})",
         e.kinetic,
         e.internal,
         e.hourglass,
         e.contact,
         e.wall,
-        100.0 * e.error,
-        100.0 * e.error_max
+        percent(e.error),
+        percent(e.error_max)
     );
     say!(
         "{} workers ({}), {:.1} s wall, grind {:.0} ns per element and cycle; \

@@ -247,7 +247,7 @@ fn a_thickness_of_one_side_leaves_that_of_the_other() {
          7,3,5,6,7,8\n9,2",
     );
     let differ = differ.replace("1,2,3,3", "5,2,2,3").replace("5,1,5,6,7,8\n", "");
-    assert_refused(&differ, &["shells of the other side differ"]);
+    assert_refused(&differ, &["the elements of the other side have no common one"]);
 }
 
 /// The tools of a forming contact have no thickness, or that of sbst: a sheet that falls onto a

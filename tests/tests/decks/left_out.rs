@@ -4,6 +4,7 @@ use super::base::{BASE, MOVES, STEEL, model_of, with};
 use super::fates::{reading, said};
 use super::radioss;
 use crumple::input::check::describe;
+use crumple::input::job::Model;
 use std::collections::BTreeSet;
 
 const ALLOWED: &[&str] = &["mesh.allow_unsupported=true"];
@@ -63,19 +64,96 @@ fn nodes_of_parts_that_are_left_out_go_with_them() {
     let lines = "*BOUNDARY_SPC_NODE\n21,0,1,1,1\n*LOAD_NODE_POINT\n22,1,5,1.0\n\
         *ELEMENT_MASS\n1,21,0.5\n2,11,0.5\n*BOUNDARY_PRESCRIBED_MOTION_NODE\n23,1,2,5,1.0\n\
         *DATABASE_HISTORY_NODE\n24\n*SET_NODE_LIST\n20\n21,22,23\n\
-        *CONSTRAINED_NODAL_RIGID_BODY\n50,0,20\n*SET_NODE_LIST\n21\n12,21\n\
+        *CONSTRAINED_NODAL_RIGID_BODY\n50,0,20\n\
+        *BOUNDARY_PRESCRIBED_MOTION_RIGID\n50,1,2,5,1.0\n\
+        *SET_NODE_LIST\n22\n1,2,3,4\n*CONSTRAINED_NODAL_RIGID_BODY\n51,0,22\n\
+        *CONSTRAINED_JOINT_SPHERICAL\n21,1\n*SET_NODE_LIST\n21\n12,21\n\
         *BOUNDARY_SPC_SET\n21,0,0,0,1\n*LOAD_SHELL_ELEMENT\n7,5,1.0\n\
         *CONSTRAINED_INTERPOLATION\n1,11,123\n21,123,1.0\n22,123,1.0\n";
     let text = format!("{BASE}{STEEL}{MOVES}{UNSUPPORTED}{lines}");
     let model = reading(&text, ALLOWED).unwrap_or_else(|report| panic!("{report}"));
     let job = &model.job;
-    assert_eq!((job.fix.len(), job.motion.len(), job.rigid.len()), (1, 0, 0));
+    assert_eq!((job.fix.len(), job.motion.len(), job.rigid.len()), (1, 0, 1));
+    assert_eq!(job.joint.len(), 0);
     assert_eq!(job.mass.iter().map(|m| m.mass).sum::<f64>(), 0.5);
     assert_eq!(job.output.node.len(), 0);
     let held: Vec<u64> = model.mesh.node_sets["set-21"].iter().map(|n| n.0).collect();
     assert_eq!(held, [12]);
-    let words = "all its nodes are those of parts that are left out";
+    for words in [
+        "all its nodes are those of parts that are left out",
+        "the rigid body `body-50` is left out with all its nodes",
+    ] {
+        assert!(said(&model).contains(words), "{words}: {}", said(&model));
+    }
+}
+
+/// Without its parts gravity does not act on the others.
+#[test]
+fn gravity_of_parts_that_are_left_out_does_not_act() {
+    let gravity = |lines: &str| {
+        let added = UNSUPPORTED.replace("*LOAD_BODY_PARTS\n11\n", lines);
+        let text = format!("{BASE}{STEEL}{MOVES}{added}");
+        reading(&text, ALLOWED).unwrap_or_else(|report| panic!("{report}"))
+    };
+    assert_eq!(gravity("*LOAD_BODY_PARTS\n11\n").job.gravity.len(), 1);
+    for lines in ["*LOAD_BODY_PARTS\n8\n", "*LOAD_BODY_PARTS\n12\n*SET_PART_LIST\n12\n3,4\n"] {
+        let model = gravity(lines);
+        assert_eq!(model.job.gravity.len(), 0, "{lines}");
+        let words = "*LOAD_BODY_PARTS: the model has no part of its sets";
+        assert!(said(&model).contains(words), "{}", said(&model));
+    }
+}
+
+/// A vector in a system that is left out has no direction: what has it is left out, too.
+#[test]
+fn vectors_in_a_system_that_is_left_out_are_left_out() {
+    let base = BASE.replace("cube\n2,2,1\n", "cube\n2,2,2\n");
+    let rigid = "*MAT_RIGID\n2,7.85e-6,207.0,0.3\n*DEFINE_CURVE\n5\n0,0\n1,1\n\
+        *DEFINE_COORDINATE_SYSTEM\n3,0,0,0,0,1,0\n-1,0,0\n\
+        *INITIAL_VELOCITY\n0,0,0,0,3\n2.0\n*INITIAL_VELOCITY_NODE\n11,2.0,0,0,0,0,0,3\n\
+        *INITIAL_VELOCITY_RIGID_BODY\n2,2.0,0,0,0,0,0,3\n\
+        *INITIAL_VELOCITY_GENERATION\n1,2,0,2.0,0,0,0,3\n0,0,0\n\
+        *LOAD_RIGID_BODY\n2,1,5,1.0,3\n*DEFINE_VECTOR\n4,0,0,0,1,0,0,3\n\
+        *CONSTRAINED_RIGID_BODY_STOPPERS\n2,-5,0,0,0,0,4,4\n0,1e20,0\n";
+    let text = format!("{base}{STEEL}{MOVES}{rigid}");
+    let of = |sets: &[&str]| reading(&text, sets).unwrap_or_else(|report| panic!("{report}"));
+    let count = |model: &Model| {
+        let body = &model.job.rigid[0];
+        (model.job.initial_velocity.len(), body.load.len(), body.stop.len())
+    };
+    assert_eq!(count(&of(&[])), (5, 1, 1));
+    let model = of(&["mesh.leave_out=[\"DEFINE_COORDINATE_SYSTEM\"]"]);
+    assert_eq!(count(&model), (1, 0, 0));
+    let said = said(&model);
+    for words in [
+        "the initial velocity is left out: its nodes start without it",
+        "the load is left out: it does not act on the body",
+        "the stop is left out: it does not bound the motion of the body",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+}
+
+/// A velocity of a box that is left out has no nodes, and is no error.
+#[test]
+fn a_velocity_of_a_box_that_is_left_out_is_left_out() {
+    let text =
+        format!("{BASE}{STEEL}{MOVES}*DEFINE_BOX\n8,0,1,0,1,0,1\n*INITIAL_VELOCITY\n0,0,8\n2.0\n");
+    let of = |sets: &[&str]| reading(&text, sets).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(of(&[]).job.initial_velocity.len(), 2);
+    let model = of(&["mesh.leave_out=[\"DEFINE_BOX\"]"]);
+    assert_eq!(model.job.initial_velocity.len(), 1);
+    let words = "there is no *DEFINE_BOX with the id 8: *DEFINE_BOX is left out";
     assert!(said(&model).contains(words), "{}", said(&model));
+}
+
+/// The id of a thermal material is none of a mechanical one.
+#[test]
+fn thermal_materials_have_ids_of_their_own() {
+    let thermal = "*MAT_THERMAL_ISOTROPIC\n9,7.85e-6\n0.5,0.05\n*PART\nextra\n3,1,9\n";
+    let report = reading(&format!("{BASE}{STEEL}{MOVES}{thermal}"), ALLOWED);
+    let report = report.err().expect("a report");
+    assert!(report.contains("there is no *MAT_... with the id 9"), "{report}");
 }
 
 /// A fluid without its equation of state has no pressure; a metal has its own.

@@ -55,6 +55,20 @@ fn sets_of_segments_have_options() {
     let sum = "*SET_SEGMENT_ADD\n7\n6,8\n*SET_SEGMENT\n6\n1,2,3,4\n\
                *SET_SEGMENT_GENERAL\n8\nSHELL,1\n";
     assert_eq!(loaded(sum), [vec![1, 2, 3, 4], plate[0].to_vec()]);
+    // Attributes follow the ids: three, or four nodes with a blank one for a triangle.
+    assert_eq!(general("PART,1,0,0,1.5\n"), plate);
+    let triangle = "SEG,21,22,23,,12.0\n*PART\nfoil\n3,1,1\n*NODE\n21,0,0,40\n22,10,0,40\n\
+                    23,10,10,40\n*ELEMENT_SHELL\n21,3,21,22,23,23\n";
+    assert_eq!(general(triangle), [[21, 22, 23]]);
+    // Sets of sets may name later ones.
+    let later = "SET,8\n*SET_SEGMENT_ADD\n8\n9\n*SET_SEGMENT_GENERAL\n9\nSHELL,1\n";
+    assert_eq!(general(later), plate[..1]);
+    let report = refused("*SET_SEGMENT_GENERAL\n7\nSET,8\n*SET_SEGMENT_ADD\n8\n7\n");
+    assert!(report.contains("*SET_SEGMENT_GENERAL 7: it is made of itself"), "{report}");
+    let report = refused("*SET_SEGMENT_GENERAL\n7\nSHELL,77\n");
+    assert!(report.contains("there is no shell 77"), "{report}");
+    let report = refused("*SET_SEGMENT_GENERAL\n7\nPART,1.5\n");
+    assert!(report.contains("`e` has to be a whole number, not 1.5"), "{report}");
     let report = refused("*SET_SEGMENT_GENERAL\n7\nVOL,3\n");
     assert!(report.contains("*SET_SEGMENT_GENERAL: option VOL is not supported"), "{report}");
     let report = refused("*SET_SEGMENT_ADD\n7\n6\n");
@@ -129,6 +143,8 @@ fn bodies_of_nodes_have_mass_properties() {
     let cards = "1,7,7\n5.0,5.0,0.0,0.3\n9.0,0,0,8.0,0,7.0\n0\n";
     let held = with(&with_option("SPC_INERTIA", cards));
     assert_eq!((held.job.rigid[0].fixed.len(), held.job.mass.len()), (6, 4));
+    let report = refused(&body("5.0,5.0,0.0,-0.3\n9.0,0,0,8.0,0,7.0\n0\n"));
+    assert!(report.contains("`tm` is -0.3, it has to be above 0"), "{report}");
     let report = refused(&body("5.0,5.0,0.0,0.3,1\n9.0,0,0,8.0,0,7.0\n0\n1,0,0,0,1,0\n"));
     assert!(report.contains("inertia about local axes"), "{report}");
 }

@@ -443,6 +443,8 @@ impl Edges {
         };
         let tolerated = tolerated(old.as_ref(), gap, moved, dt, pair.speed);
         let pair = pair.with_history(old.as_ref(), gap, tolerated);
+        // Also with history: a turned normal has carried them there, and nothing keeps edges from
+        // passing each other then.
         if !solid && is_in_middle(&pair, thickness) {
             return None;
         }

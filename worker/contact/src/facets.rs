@@ -547,8 +547,13 @@ impl FacetPairGeometry<'_> {
             ..Pair::new(name, met.id, [i, j, k, l, p, q, r, s])
         };
         let tolerated = tolerated(old.as_ref(), overlap.gap, moved, dt, speed);
-        let pair = pair.with_history(old.as_ref(), overlap.gap, tolerated);
-        let is_side_known = solid || old.is_some();
-        (is_side_known || !is_in_middle(&pair, self.thickness)).then_some(pair)
+        let mut pair = pair.with_history(old.as_ref(), overlap.gap, tolerated);
+        if !solid && old.is_none() {
+            if is_in_middle(&pair, self.thickness) {
+                return None;
+            }
+            pair.keep_if_deep(self.thickness);
+        }
+        Some(pair)
     }
 }

@@ -150,11 +150,11 @@ fn node_normal(nodes: &Nodes, surface: &Surface, slave_index: usize) -> V3 {
 ///
 /// A penetration that does not come from an impact (around a rim) stays without force and is
 /// given back slowly. A penetration that was there at the start is not given back at all
-/// ([`Pair::initial_gap`]), because this would drive apart bodies at rest. An increase of the
-/// penetration by more than `moved` [length] is tolerated too: either the normal has turned, or
-/// the pair continues the history of another segment or edge. A force against this increase
-/// would have no cause and would create energy. The step size `dt` and the wave speed `speed` of
-/// the parts in contact determine how much is given back.
+/// ([`Pair::initial_gap`], [`Pair::keep_if_deep`]), because this would drive apart bodies at rest.
+/// An increase of the penetration by more than `moved` [length] is tolerated too: either the normal
+/// has turned, or the pair continues the history of another segment or edge. A force against this
+/// increase would have no cause and would create energy. The step size `dt` and the wave speed
+/// `speed` of the parts in contact determine how much is given back.
 pub(super) fn tolerated(
     old: Option<&PairHistory>,
     gap: f64,
@@ -340,7 +340,8 @@ fn evaluate_pair(
     geometry: &PairGeometry<'_>,
     memory: &[PairHistory],
 ) -> Option<PairCandidate> {
-    let PairGeometry { segment, slave, thickness, scale, speed, dt, near, .. } = *geometry;
+    let PairGeometry { segment, slave, slave_index, thickness, scale, speed, dt, near, .. } =
+        *geometry;
     let at = V3::from(xyz(&nodes.x[slave as usize]));
     let offset = at - near.point;
     let apart = geometry.relative_to_middle(&offset);
@@ -418,11 +419,15 @@ fn evaluate_pair(
         }
         false => (impact, 0.0),
     };
-    let pair = geometry.pair(nodes, surface, normal, side).with_history(old, gap, tolerated);
-    // A node above the inside of a segment has its side in its history.
-    let is_side_known = segment.is_solid() || (old.is_some() && !geometry.near.rim);
-    if !is_side_known && is_in_middle(&pair, thickness) {
+    let mut pair = geometry.pair(nodes, surface, normal, side).with_history(old, gap, tolerated);
+    let of_shells = !segment.is_solid() && surface.around(slave_index).all(|s| !s.is_solid());
+    // The history has the side of a node above the inside of a segment, and the normal at a beam.
+    let is_side_known = old.is_some() && (segment.is_line() || !geometry.near.rim);
+    if of_shells && !is_side_known && is_in_middle(&pair, thickness) {
         return None;
+    }
+    if of_shells && old.is_none() {
+        pair.keep_if_deep(thickness);
     }
     let is_line = surface.has_lines && segment.is_line();
     Some(PairCandidate { pair, impact, opposition, opening, apart, thickness, is_line, gap })

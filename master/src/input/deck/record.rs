@@ -170,6 +170,11 @@ impl CardLine {
         self.list(name).map(number).collect()
     }
 
+    /// Returns the places of all fields of a list.
+    pub fn places(&self, name: &str) -> Vec<Place> {
+        self.list(name).map(|(_, value)| value.place).collect()
+    }
+
     /// Returns true if a field is blank.
     pub fn is_blank(&self, name: &str) -> bool {
         self.value(name).is_none_or(|v| v.given == Given::Blank)

@@ -2,6 +2,7 @@
 //! points are moved, when their cards are read.
 
 use super::affine::Affine;
+use super::convert::segment_sets::number_of_ids;
 use super::diagnostics::Trouble;
 use super::record::{CardLine, CardRecord, Given, Value};
 use super::roles::{FieldRole, OffsetKind, UnitPowers, roles_of};
@@ -284,6 +285,7 @@ impl Submodel {
     }
 
     fn general_set(&self, record: &mut CardRecord) {
+        let is_of_segments = record.row.keyword.name == "SET_SEGMENT_GENERAL";
         for line in record.all_lines_mut() {
             let word = line.word("option").to_ascii_uppercase();
             let kind = match word.strip_prefix('D').unwrap_or(&word) {
@@ -293,9 +295,20 @@ impl Submodel {
                 "BOX" | "BOX_SHELL" | "BOX_SOLID" => OffsetKind::Definition,
                 _ => OffsetKind::Set,
             };
+            let count = match is_of_segments {
+                true => number_of_ids(&word),
+                false => usize::MAX,
+            };
             let fields = line.fields();
             let values = line.values_mut();
-            for (value, _) in values.iter_mut().zip(fields).filter(|(_, f)| f.name == "e") {
+            let ids = values.iter_mut().zip(fields).filter(|(_, f)| f.name == "e").take(count);
+            for (value, _) in ids {
+                // The ids of segments are on a card that has attributes too.
+                if let Given::Real(x) = value.given
+                    && x.fract() == 0.0
+                {
+                    value.given = Given::Integer(x as i64);
+                }
                 self.integer(&mut value.given, kind);
             }
             if word == "SEG" && self.map.reflects() {

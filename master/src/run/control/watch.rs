@@ -65,9 +65,16 @@ impl Control<'_> {
     /// of the two criteria.
     pub(super) fn watch_energy(&mut self) {
         let Some(row) = self.history.course.last.as_ref() else { return };
-        let what = if row.error.is_infinite() {
-            "the energies are not numbers".into()
-        } else if row.error.abs() > MOST_ENERGY_ERROR {
+        let sum = &row.sum;
+        if row.error.is_infinite() {
+            let why =
+                "the energies are not numbers; look at the last fields and checkpoints before \
+                       it, and at materials and loads there"
+                    .to_string();
+            let (cycle, time) = (sum.cycle, sum.time);
+            return self.fail(Failure { elem: None, cycle, time, why });
+        }
+        let what = if row.error.abs() > MOST_ENERGY_ERROR {
             format!("the error of the energy balance is {:.0} %", 100.0 * row.error)
         } else if self.history.course.swings_on(self.model.settings.safety > 1.0) {
             format!(
@@ -78,7 +85,6 @@ impl Control<'_> {
         } else {
             return;
         };
-        let sum = &row.sum;
         let element = sum
             .controlling
             .element

@@ -123,6 +123,19 @@ fn parabolas_give_the_strain_to_failure() {
     assert!((at(&ratios, 0.0) - 1.0).abs() < 1e-12);
     let keys = ["gissmo_failed_points", "gissmo_critical_damage", "gissmo_fading_exponent"];
     assert_eq!(keys.map(|key| number(&ratios, key)), [-50.0, 0.7, 2.0]);
+    // A share of the thickness is one of the points.
+    let thick = law("r0 r0 r0.5\nr0.5 i1");
+    assert_eq!(number(&thick, keys[0]), -50.0);
+    assert!(said(&thick).contains("pthick 0.5: a share of the thickness"), "{}", said(&thick));
+    let has = |model: &Model| {
+        let numbers = &model.job.material[0].parameters;
+        keys[1..].iter().any(|key| numbers.contains_key(*key))
+    };
+    // A critical damage of 1 is no softening; a number in the first columns is the id of the card.
+    for fail in ["r0 r0 r0.5\nr0 i1\n_ i1 r1.0 r2", "r0 r0 r0.5\nr0 i1\ni77"] {
+        assert!(!has(&law(fail)), "{fail}");
+    }
+    assert!(has(&law("r0 r0 r0.5\nr0 i1\n_ i1 r0.7 r2\ni77")));
     let sized = law("r0 r0 r0.5\nr0 i2 i0 r0 _ i9 r4.0\n/FUNCT/9\n=f\nr0.5 r1.0\nr2.0 r0.8");
     assert_eq!(rows(&sized, "gissmo_size_factors"), [[2.0, 1.0], [8.0, 0.8]]);
     let refused = |law: &str, fail: &str| {
@@ -393,7 +406,8 @@ fn a_main_node_stands_for_its_body() {
     let [of_body, of_node] = [&body.load[0].force, &model.job.load[0].force];
     assert_eq!([of_body, of_node], [&[0.0, 0.25, 0.0]; 2], "on body and corner");
     let [history] = &model.job.output.node[..] else { panic!("one history") };
-    assert_eq!((&*history.name, set(&model, &history.nodes)), ("of both", vec![11]));
+    let nodes = set(&model, history.nodes.as_deref().expect("a set"));
+    assert_eq!((&*history.name, nodes), ("of both", vec![11]));
     assert!(said(&model).contains("/TH/NODE/4: node 90, the main node of a body"));
     let kept = deck.replace(&card("i90 i0 i0 i0 r2.5 i2"), &card("i90 i0 i0 i0 r2.5 i2 i0 i3"));
     let refused = reading(&kept, &[]).err().expect("a lever");

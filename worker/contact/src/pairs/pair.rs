@@ -226,6 +226,17 @@ impl Pair {
         }
     }
 
+    /// Keeps the penetration of a new pair of shells as one of the start, if it is so deep that the
+    /// nodes must have been in each other's middle surfaces, where they are no pair. `thickness` is
+    /// the distance of the middle surfaces at which they touch [length].
+    pub fn keep_if_deep(&mut self, thickness: f64) {
+        /// Penetration as a fraction of the thickness: no impact gets as deep in one step.
+        const DEEP: f64 = 0.75;
+        if thickness > 0.0 && -self.tolerated_gap > DEEP * thickness {
+            self.initial_gap = self.tolerated_gap;
+        }
+    }
+
     /// Returns a pair with a key, a segment and nodes; all other fields have default values.
     pub fn new<const N: usize>(name: PairKey, segment: SegmentId, nodes: [u32; N]) -> Self {
         Self {

@@ -9,6 +9,8 @@ use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 
 const KEYWORD: &str = "LOAD_RIGID_BODY";
+/// Consequence of a load that is left out.
+const LOST: &str = "the load is left out: it does not act on the body";
 
 /// Nodes whose plane a load follows: they have to be members of its body.
 pub struct Follower {
@@ -36,8 +38,8 @@ impl DeckConverter {
         let (pid, dof, place) = (line.integer("pid"), line.integer("dof"), line.place("dof"));
         let axis = |first: i64| [0, 1, 2].map(|c| if c == dof - first { 1.0 } else { 0.0 });
         let (key, direction) = match dof {
-            1..=3 => ("force", self.turned(axis(1), line, "cid")),
-            5..=7 => ("moment", self.turned(axis(5), line, "cid")),
+            1..=3 => ("force", self.in_global_axes(axis(1), line, "cid", LOST)?),
+            5..=7 => ("moment", self.in_global_axes(axis(5), line, "cid", LOST)?),
             4 => ("force", self.normal(line, followers)?),
             8 => ("moment", self.normal(line, followers)?),
             _ => {

@@ -470,20 +470,19 @@ impl DeckConverter {
         } else if a > 0.0 || b > 0.0 {
             let (field, value, other) =
                 if a > 0.0 { ("sast", a, "against") } else { ("sbst", b, "parts") };
-            let parts =
-                table.integers(other).unwrap_or_else(|| self.parts.keys().copied().collect());
-            match self.shell_thicknesses(&parts)[..] {
+            let parts = table.integers(other).unwrap_or_default();
+            match self.only_thickness(&parts) {
                 // Solids have no thickness in contact.
-                [] => table.put("thickness", record.place(field), value),
-                [own] => {
+                Some(0.0) => table.put("thickness", record.place(field), value),
+                Some(own) => {
                     let used = 0.5 * (value + own);
                     table.put("thickness", record.place(field), used);
                     let asked = format!("{field} {value}, shells of {own} on the other side");
                     self.map(name, asked, format!("thickness {used}"));
                 }
-                _ => {
-                    let why = "give both sides a thickness: shells of the other side differ in \
-                               thickness";
+                None => {
+                    let why = "give both sides a thickness: the elements of the other side have no \
+                               common one";
                     self.unsupported_value(record, field, why);
                 }
             }
@@ -503,17 +502,26 @@ impl DeckConverter {
         }
     }
 
-    /// Returns the different thicknesses of the shells of some parts [length].
-    fn shell_thicknesses(&mut self, parts: &[i64]) -> Vec<f64> {
-        let mut all: Vec<f64> = Vec::new();
-        for part in parts {
-            let thickness = self.tree.part(*part).and_then(|keys| keys.get("thickness"));
-            match thickness.map(|entry| &entry.node.kind) {
-                Some(&NodeContent::Float(value)) if !all.contains(&value) => all.push(value),
-                _ => {}
+    /// Returns the only contact thickness of the elements of some parts, 0 for solids [length].
+    /// Returns `None` if they differ, or if it is not that of a section.
+    fn only_thickness(&mut self, parts: &[i64]) -> Option<f64> {
+        let elements = self.rows.elements().filter(|e| parts.contains(&i64::from(e.part)));
+        let kinds: BTreeSet<(u32, bool)> = elements.map(|e| (e.part, e.shape.is_solid())).collect();
+        let own: BTreeSet<i64> = self.thickness_of_elements().into_keys().collect();
+        let mut only = None;
+        for (part, is_solid) in kinds {
+            let part = i64::from(part);
+            let thickness = match self.tree.part(part)?.get("thickness").map(|key| &key.node.kind) {
+                _ if is_solid => 0.0,
+                Some(&NodeContent::Float(value)) if !own.contains(&part) => value,
+                _ => return None,
+            };
+            if only.is_some_and(|other| other != thickness) {
+                return None;
             }
+            only = Some(thickness);
         }
-        all
+        only
     }
 
     /// Gives the tools of a forming contact, the shells of surfb, the thickness of sbst: their mesh

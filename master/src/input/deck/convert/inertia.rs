@@ -43,8 +43,17 @@ impl DeckConverter {
                 None => self.missing(record.place("nodeid"), "node", node as i64, &[]),
             }
         }
+        let mass = number("tm");
+        if mass <= 0.0 {
+            // A blank one has been reported.
+            if !record.is_blank("tm") {
+                let message = format!("{}: `tm` is {mass}, it has to be above 0", record.name());
+                self.trouble.error(record.place("tm"), message, "give the mass of the body");
+            }
+            return None;
+        }
         Some(DeckInertia {
-            mass: number("tm"),
+            mass,
             tensor: ["ixx", "iyy", "izz", "ixy", "iyz", "ixz"].map(number),
             centre,
             motion: [["vtx", "vty", "vtz"].map(number), ["vrx", "vry", "vrz"].map(number)],
@@ -87,7 +96,7 @@ impl DeckConverter {
         table.put("inertia", given.place, given.tensor);
         let centre = self.centre_of(parts);
         let away = (0..3).map(|c| (centre[c] - given.centre[c]).powi(2)).sum::<f64>().sqrt();
-        let moves = given.mass > 0.0 && away > round_off(given.mass, given.tensor);
+        let moves = away > round_off(given.mass, given.tensor);
         let can_move = moves && self.holds_centre(parts, given.centre);
         if can_move {
             table.put("centre", given.place, given.centre);
@@ -156,7 +165,7 @@ impl DeckConverter {
             let spin = (w != [0.0; 3]).then_some((w, given.centre));
             self.initial(place, Some(set.to_string()), v, spin);
         }
-        if given.mass <= 0.0 || nodes.is_empty() || points.len() < nodes.len() {
+        if nodes.is_empty() || points.len() < nodes.len() {
             return;
         }
         let each = given.mass / nodes.len() as f64;

@@ -34,6 +34,8 @@ impl DeckVelocity {
 
 /// Largest difference of two motions that is round-off, as a fraction of the velocity.
 const SAME_MOTION: f64 = 1e-9;
+/// Consequence of a velocity that is left out.
+pub const LOST: &str = "the initial velocity is left out: its nodes start without it";
 
 impl DeckConverter {
     /// Converts initial velocities. Those of the cards of bodies come first.
@@ -49,7 +51,7 @@ impl DeckConverter {
             let mut equal: BTreeMap<Bits, ([f64; 3], Vec<NodeId>, Place)> = BTreeMap::new();
             let lines: Vec<CardLine> = record.lines("nid").cloned().collect();
             for line in lines {
-                let v = self.velocity(&line, ["vx", "vy", "vz"], "icid");
+                let Some(v) = self.velocity(&line, ["vx", "vy", "vz"], "icid") else { continue };
                 self.no_spin(&record, &line, ["vxr", "vyr", "vzr"]);
                 let of =
                     equal.entry(v.map(f64::to_bits)).or_insert_with(|| (v, Vec::new(), line.place));
@@ -69,8 +71,8 @@ impl DeckConverter {
                 if !self.has_part(part, place) {
                     continue;
                 }
-                let v = self.velocity(&line, ["vx", "vy", "vz"], "icid");
-                let w = self.velocity(&line, ["vxr", "vyr", "vzr"], "icid");
+                let Some(v) = self.velocity(&line, ["vx", "vy", "vz"], "icid") else { continue };
+                let Some(w) = self.velocity(&line, ["vxr", "vyr", "vzr"], "icid") else { continue };
                 if let Some(body) = self.bodies.get(&part) {
                     let motion = [v, w].map(|v| v.map(f64::to_bits));
                     let other = moved.insert(body.clone(), (motion, place));
@@ -145,13 +147,16 @@ impl DeckConverter {
         let Some(line) = record.line("vx").cloned() else { return };
         let Some(head) = record.line("nsid").cloned() else { return };
         let v = ["vx", "vy", "vz"].map(|c| line.real(c));
-        let v = self.turned(v, &head, "icid");
+        let Some(v) = self.in_global_axes(v, &head, "icid", LOST) else { return };
         self.no_spin(record, &line, ["vxr", "vyr", "vzr"]);
         let (nsid, boxid) = (record.integer("nsid"), record.integer("boxid"));
         let set = match (nsid, boxid) {
             (0, 0) => None,
             (0, _) => {
                 let nodes = self.in_box(boxid, record.place("boxid"));
+                if !self.boxes.contains_key(&boxid) {
+                    return;
+                }
                 let name = format!("box-{boxid}");
                 self.rows.add_set(name.clone(), nodes, record.place("boxid"));
                 Some(name)
@@ -205,7 +210,7 @@ impl DeckConverter {
             self.map("*INITIAL_VELOCITY_GENERATION", "no second card", used);
         }
         let Some(head) = record.line("omega").cloned() else { return };
-        let v = self.velocity(&head, ["vx", "vy", "vz"], "icid");
+        let Some(v) = self.velocity(&head, ["vx", "vy", "vz"], "icid") else { return };
         let omega = head.real("omega");
         let mut spin = None;
         if omega != 0.0 {
@@ -259,9 +264,9 @@ impl DeckConverter {
         self.velocities.push(DeckVelocity { entry: table, set, velocity: v, spin });
     }
 
-    fn velocity(&mut self, line: &CardLine, names: [&str; 3], system: &str) -> [f64; 3] {
+    fn velocity(&mut self, line: &CardLine, names: [&str; 3], system: &str) -> Option<[f64; 3]> {
         let v = names.map(|c| line.real(c));
-        self.turned(v, line, system)
+        self.in_global_axes(v, line, system, LOST)
     }
 
     fn no_spin(&mut self, record: &CardRecord, line: &CardLine, names: [&str; 3]) {

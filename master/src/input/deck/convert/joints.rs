@@ -209,7 +209,8 @@ impl DeckConverter {
         let cida = record.integer("cida");
         let Some(axes) = self.axes.get(&cida).copied() else {
             let known: Vec<String> = self.axes.keys().map(i64::to_string).collect();
-            return self.missing(place, "*DEFINE_COORDINATE_...", cida, &known);
+            let lost = "the stiffness is left out: nothing resists the joint";
+            return self.missing_for(place, ("*DEFINE_COORDINATE_...", cida), &known, lost);
         };
         let cidb = record.integer("cidb");
         let is_same = |other: &[[f64; 3]; 3]| (0..3).all(|k| cosine(&axes[k], &other[k]) > ALIGNED);

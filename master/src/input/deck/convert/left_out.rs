@@ -51,8 +51,9 @@ const PART: &str = "PART";
 
 /// Start of the names of cards to which others refer by an id, and the kind of that id. Radioss has
 /// the first word of a name for it.
-const KINDS: [(&str, &str); 21] = [
+const KINDS: [(&str, &str); 22] = [
     ("MAT_ADD_", ""),
+    ("MAT_THERMAL_", ""),
     ("MAT_", "MAT"),
     ("SECTION_", "SECTION"),
     ("PART", PART),
@@ -96,7 +97,8 @@ pub struct LeftOutCards {
 }
 
 impl LeftOutCards {
-    /// Notes a block that is not converted, and why.
+    /// Notes a block that is not converted, and why. Only the first id of a block is noted, since
+    /// the cards of an unknown keyword are not known: what refers to another one is an error.
     pub fn note(
         &mut self,
         texts: &Texts,
@@ -126,7 +128,7 @@ impl LeftOutCards {
     }
 
     /// Notes that the card of a kind and id is left out, and why.
-    fn leave_out(&mut self, kind: &str, id: i64, reason: String) {
+    pub(super) fn leave_out(&mut self, kind: &str, id: i64, reason: String) {
         self.reasons.insert((kind.to_string(), id), reason);
     }
 
@@ -193,8 +195,13 @@ impl DeckConverter {
             return;
         }
         let emptied = self.rows.remove_from_sets(&lost);
-        for place in self.tree.remove_entries_of(&emptied) {
+        let (places, bodies) = self.tree.remove_entries_of(&emptied);
+        for place in places {
             let message = "all its nodes are those of parts that are left out";
+            self.trouble.warning(place, message, "it has no effect");
+        }
+        for (place, body) in self.tree.remove_entries_on(&bodies) {
+            let message = format!("the rigid body `{body}` is left out with all its nodes");
             self.trouble.warning(place, message, "it has no effect");
         }
     }

@@ -8,6 +8,9 @@ use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::{BTreeMap, HashSet};
 
+/// Keywords of gravity along the axes.
+const BODY_LOADS: [&str; 3] = ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"];
+
 impl DeckConverter {
     /// Converts `*ELEMENT_MASS`.
     pub(super) fn masses(&mut self) {
@@ -65,12 +68,22 @@ impl DeckConverter {
     /// in the opposite direction.
     pub(super) fn body_loads(&mut self) {
         let mut parts: Vec<i64> = Vec::new();
-        for record in self.take_records("LOAD_BODY_PARTS") {
+        let chosen = self.take_records("LOAD_BODY_PARTS");
+        for record in &chosen {
             parts.extend(self.part_set(record.integer("psid"), record.place("psid")));
         }
         parts.sort_unstable();
         parts.dedup();
-        self.body_loads_of(&parts);
+        match chosen.first().filter(|_| parts.is_empty()) {
+            // An empty list of parts would be the whole model.
+            Some(record) => {
+                BODY_LOADS.iter().for_each(|keyword| drop(self.take_records(keyword)));
+                let message = format!("{}: the model has no part of its sets", record.name());
+                let help = "the model has no gravity of *LOAD_BODY_X, Y and Z";
+                self.trouble.warning(record.place("psid"), message, help);
+            }
+            None => self.body_loads_of(&parts),
+        }
         self.part_gravity();
     }
 
@@ -113,8 +126,7 @@ impl DeckConverter {
     }
 
     fn body_loads_of(&mut self, parts: &[i64]) {
-        for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate()
-        {
+        for (axis, keyword) in BODY_LOADS.into_iter().enumerate() {
             for record in self.take_records(keyword) {
                 if !self.is_plain(record.integer("cid")) {
                     self.unsupported_value(&record, "cid", "directions other than the global axes");

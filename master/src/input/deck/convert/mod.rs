@@ -32,7 +32,7 @@ mod preloads;
 pub mod radioss;
 mod rigid;
 mod sections;
-mod segment_sets;
+pub(in crate::input::deck) mod segment_sets;
 mod segments;
 mod sensors;
 mod sets;
@@ -537,19 +537,21 @@ impl DeckConverter {
         name
     }
 
-    /// Reports that a record refers to something that does not exist. Something that is left out
-    /// has been reported: then it is a warning.
+    /// Reports that a record refers to something that does not exist, where it depends on the
+    /// card what the model lacks then.
     fn missing(&mut self, place: Place, what: &str, id: i64, known: &[String]) {
+        self.missing_for(place, (what, id), known, "the card acts without it, or has no effect");
+    }
+
+    /// Reports that a record refers to something that does not exist. Something that is left out
+    /// has been reported: then it is a warning; `lost` is what the model lacks.
+    fn missing_for(&mut self, place: Place, (what, id): (&str, i64), known: &[String], lost: &str) {
         if self.trouble.is_unsure() {
             return;
         }
         if let Some(reason) = self.left_out.reason(what, id) {
             let message = format!("there is no {what} with the id {id}: {reason}");
-            return self.trouble.warning(
-                place,
-                message,
-                "the card acts without it, or has no effect",
-            );
+            return self.trouble.warning(place, message, lost);
         }
         let known: Vec<&str> = known.iter().map(String::as_str).collect();
         let help = match known.is_empty() {

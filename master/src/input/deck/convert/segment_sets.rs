@@ -9,8 +9,7 @@ use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::MeshElement;
 use std::collections::{HashMap, HashSet};
 
-/// Number of ids on a line of a general set that adds segments; attributes follow them.
-const IDS: usize = 3;
+const ADDING: &str = "SET_SEGMENT_ADD";
 
 impl DeckConverter {
     /// Reads all sets of segments. Parts, boxes and sets of elements are known.
@@ -19,22 +18,42 @@ impl DeckConverter {
             let segments = record.lines("n").map(segment).collect();
             self.segment_sets.insert(record.integer("sid"), segments);
         }
-        for record in self.take_records("SET_SEGMENT_GENERAL") {
-            let segments = self.general_segments(&record);
-            self.segment_sets.insert(record.integer("sid"), segments);
-        }
-        let adding = self.take_records("SET_SEGMENT_ADD");
+        let mut waiting = self.take_in_order(&["SET_SEGMENT_GENERAL", ADDING]);
         // Sets of sets may name those that come later.
-        for _ in 0..=adding.len() {
-            for record in &adding {
-                let others = ids(record, "id");
-                let found = others.iter().filter_map(|(other, _)| self.segment_sets.get(other));
-                let segments = without_repeats(found.flatten().cloned().collect());
+        while !waiting.is_empty() {
+            let open: HashSet<i64> = waiting.iter().map(|record| record.integer("sid")).collect();
+            let is_ready =
+                |record: &CardRecord| sets_of(record).iter().all(|other| !open.contains(other));
+            let (ready, rest): (Vec<_>, Vec<_>) = waiting.into_iter().partition(is_ready);
+            if ready.is_empty() {
+                return self.circle_of_sets(&rest);
+            }
+            for record in ready {
+                let segments = match record.row.keyword.name {
+                    ADDING => self.sum_of_sets(&record),
+                    _ => self.general_segments(&record),
+                };
                 self.segment_sets.insert(record.integer("sid"), segments);
             }
+            waiting = rest;
         }
-        for (other, place) in adding.iter().flat_map(|record| ids(record, "id")) {
-            self.segment_set(other, place);
+    }
+
+    /// Returns the segments of other sets.
+    fn sum_of_sets(&mut self, record: &CardRecord) -> Vec<DeckSegment> {
+        let others = ids(record, "id").into_iter();
+        let found = others.filter_map(|(other, place)| self.segment_set(other, place));
+        without_repeats(found.flatten().collect())
+    }
+
+    /// Reports sets that cannot be read, since each needs another one of them first.
+    fn circle_of_sets(&mut self, records: &[CardRecord]) {
+        for record in records {
+            let sid = record.integer("sid");
+            let message = format!("{} {sid}: it is made of itself", record.name());
+            let help = "remove a set from the circle of sets that name each other";
+            self.trouble.error(record.place("sid"), message, help);
+            self.segment_sets.insert(sid, Vec::new());
         }
     }
 
@@ -53,30 +72,30 @@ impl DeckConverter {
         let lines: Vec<CardLine> = record.lines("option").cloned().collect();
         for line in lines {
             let word = line.word("option").to_ascii_uppercase();
-            let all: Vec<(i64, Place)> = line.integers("e").collect();
-            let first = &all[..all.len().min(IDS)];
+            let own = self.ids_of_option(record, &line);
             match word.as_str() {
                 "ALL" => segments.extend(self.skin(line.place, |_| true)),
                 "PART" => {
-                    let parts = self.existing_parts(first);
+                    let parts = self.existing_parts(&own);
                     segments.extend(self.skin(line.place, |e| parts.contains(&e.part.into())));
                 }
                 "SHELL" => {
-                    let shells: Vec<i64> = first.iter().map(|entry| entry.0).collect();
-                    let own =
-                        |e: &MeshElement| e.shape.is_shell() && shells.contains(&(e.id.0 as i64));
-                    segments.extend(self.skin(line.place, own));
+                    own.iter().for_each(|&(shell, place)| self.check_shell(shell, place));
+                    let is_own = |e: &MeshElement| {
+                        e.shape.is_shell() && own.iter().any(|entry| entry.0 == e.id.0 as i64)
+                    };
+                    segments.extend(self.skin(line.place, is_own));
                 }
                 "SET_SHELL" | "SET_SOLID" => {
                     let kind = if word == "SET_SHELL" { SHELL_SETS } else { SOLID_SETS };
-                    for &(set, place) in first {
-                        let own: HashSet<_> =
+                    for &(set, place) in &own {
+                        let members: HashSet<_> =
                             self.elements_of_set(kind, set, place).iter().map(|e| e.id).collect();
-                        segments.extend(self.skin(line.place, |e| own.contains(&e.id)));
+                        segments.extend(self.skin(line.place, |e| members.contains(&e.id)));
                     }
                 }
                 "SET" => {
-                    for &(set, place) in &all {
+                    for &(set, place) in &own {
                         segments.extend(self.segment_set(set, place).into_iter().flatten());
                     }
                 }
@@ -86,7 +105,7 @@ impl DeckConverter {
                         "BOX_SOLID" => !e.shape.is_shell(),
                         _ => true,
                     };
-                    for &(number, place) in first {
+                    for &(number, place) in &own {
                         let inside: HashSet<_> = self.in_box(number, place).into_iter().collect();
                         let skin = self.skin(line.place, kinds);
                         let is_in = |s: &DeckSegment| s.nodes.iter().all(|n| inside.contains(n));
@@ -94,16 +113,16 @@ impl DeckConverter {
                     }
                 }
                 "SEG" => {
-                    let mut nodes: Vec<_> = all.iter().take(4).filter_map(|n| id(n.0)).collect();
+                    let mut nodes: Vec<_> = own.iter().filter_map(|n| id(n.0)).collect();
                     nodes.dedup();
                     segments.push(DeckSegment { nodes, place: line.place });
                 }
                 "DSEG" => {
-                    let nodes: Vec<_> = all.iter().take(4).filter_map(|n| id(n.0)).collect();
+                    let nodes: Vec<_> = own.iter().filter_map(|n| id(n.0)).collect();
                     segments.retain(|s| key(&s.nodes) != key(&nodes));
                 }
                 "DPART" => {
-                    let parts = self.existing_parts(&all);
+                    let parts = self.existing_parts(&own);
                     let gone: HashSet<_> = self
                         .skin(line.place, |e| parts.contains(&e.part.into()))
                         .iter()
@@ -112,7 +131,7 @@ impl DeckConverter {
                     segments.retain(|s| !gone.contains(&key(&s.nodes)));
                 }
                 "DBOX" => {
-                    for &(number, place) in &all {
+                    for &(number, place) in &own {
                         let inside: HashSet<_> = self.in_box(number, place).into_iter().collect();
                         segments.retain(|s| !s.nodes.iter().all(|n| inside.contains(n)));
                     }
@@ -125,6 +144,44 @@ impl DeckConverter {
             }
         }
         without_repeats(segments)
+    }
+
+    /// Returns the ids of a line of a general set. Attributes after them have no effect.
+    fn ids_of_option(&mut self, record: &CardRecord, line: &CardLine) -> Vec<(i64, Place)> {
+        let word = line.word("option");
+        let mut given = line.reals("e");
+        let attributes = given.split_off(number_of_ids(word).min(given.len()));
+        if attributes.iter().any(|a| *a != 0.0) {
+            let asked = format!("attributes on a line of {word}");
+            self.map(record.name(), asked, "not used: no keyword here refers to them");
+        }
+        let mut found = Vec::new();
+        for (x, place) in given.into_iter().zip(line.places("e")).filter(|(x, _)| *x != 0.0) {
+            if x.fract() == 0.0 {
+                found.push((x as i64, place));
+                continue;
+            }
+            let message = format!("{}: `e` has to be a whole number, not {x}", record.name());
+            let help = "give ids, and attributes after them";
+            self.trouble.error(place, message, help);
+        }
+        found
+    }
+
+    /// Reports a shell that does not exist.
+    fn check_shell(&mut self, shell: i64, place: Place) {
+        let is_it = |e: &MeshElement| e.id.0 as i64 == shell;
+        if self.trouble.is_unsure() || self.rows.shells.iter().any(is_it) {
+            return;
+        }
+        let message = format!("*SET_SEGMENT_GENERAL: there is no shell {shell}");
+        match self.rows.removed.iter().any(|e| e.shape.is_shell() && is_it(e)) {
+            true => {
+                let help = "its part is left out; the set has its other segments";
+                self.trouble.warning(place, message, help);
+            }
+            false => self.trouble.error(place, message, "correct the id, or remove it"),
+        }
     }
 
     /// Returns those of these parts that exist.
@@ -156,6 +213,24 @@ impl DeckConverter {
         let outer = faces.into_iter().filter(|(of, _)| is_outer(of));
         outer.map(|(_, nodes)| DeckSegment { nodes, place }).collect()
     }
+}
+
+/// Returns the number of ids on a line of a general set; attributes follow them.
+pub fn number_of_ids(option: &str) -> usize {
+    match option.to_ascii_uppercase().as_str() {
+        "SEG" | "DSEG" => 4,
+        "SET" | "DPART" | "DBOX" => 7,
+        _ => 3,
+    }
+}
+
+/// Returns the sets of segments that a set is made of.
+fn sets_of(record: &CardRecord) -> Vec<i64> {
+    if record.row.keyword.name == ADDING {
+        return ids(record, "id").into_iter().map(|entry| entry.0).collect();
+    }
+    let lines = record.lines("option").filter(|l| l.word("option").eq_ignore_ascii_case("SET"));
+    lines.flat_map(|l| l.reals("e")).map(|x| x as i64).collect()
 }
 
 /// Returns segments without those whose nodes an earlier one has.

@@ -21,6 +21,9 @@ pub const SHELL_SETS: usize = 1;
 /// Index of sets of springs in [`ELEMENT_SETS`].
 const SPRING_SETS: usize = 2;
 
+/// Consequence of a set of a set that is left out.
+const WITHOUT_SET: &str = "the set has the members of its other sets";
+
 /// Elements of sets by id: ranges from the first to the last id.
 pub type ElementSets = BTreeMap<i64, Vec<[i64; 2]>>;
 
@@ -64,7 +67,7 @@ impl DeckConverter {
         for (other, place) in adding.iter().flat_map(|record| ids(record, "id")) {
             if !sets.contains_key(&other) {
                 let known: Vec<String> = sets.keys().map(i64::to_string).collect();
-                self.missing(place, &format!("*{list}"), other, &known);
+                self.missing_for(place, (&format!("*{list}"), other), &known, WITHOUT_SET);
             }
         }
         sets
@@ -235,7 +238,7 @@ impl DeckConverter {
         for (other, place) in adding.iter().flat_map(|record| ids(record, "id")) {
             if !self.part_sets.contains_key(&other) {
                 let known: Vec<String> = self.part_sets.keys().map(i64::to_string).collect();
-                self.missing(place, "*SET_PART_...", other, &known);
+                self.missing_for(place, ("*SET_PART_...", other), &known, WITHOUT_SET);
             }
         }
     }
@@ -340,7 +343,8 @@ impl DeckConverter {
     pub(super) fn in_box(&mut self, id: i64, place: Place) -> Vec<NodeId> {
         let Some(sides) = self.boxes.get(&id) else {
             let known: Vec<String> = self.boxes.keys().map(i64::to_string).collect();
-            self.missing(place, "*DEFINE_BOX", id, &known);
+            let lost = "the card acts on no node of this box";
+            self.missing_for(place, ("*DEFINE_BOX", id), &known, lost);
             return Vec::new();
         };
         let inside = |x: &[f64; 3]| (0..3).all(|c| sides[c][0] <= x[c] && x[c] <= sides[c][1]);

@@ -1,7 +1,7 @@
 //! Boxes and coordinate systems.
 
 use super::DeckConverter;
-use crate::input::deck::record::CardRecord;
+use crate::input::deck::record::{CardLine, CardRecord};
 use crumple_proto::ids::NodeId;
 
 impl DeckConverter {
@@ -75,24 +75,25 @@ impl DeckConverter {
     }
 
     /// Returns a vector in global axes that is given in the system of `field`; unchanged without
-    /// a system.
-    pub(super) fn turned(
+    /// a system. Returns `None` after a report if there is no such system; `lost` is what the
+    /// model lacks then.
+    pub(super) fn in_global_axes(
         &mut self,
         v: [f64; 3],
-        record: &crate::input::deck::record::CardLine,
+        line: &CardLine,
         field: &str,
-    ) -> [f64; 3] {
-        match record.integer(field) {
-            0 => v,
-            id => match self.axes.get(&id) {
-                Some(axes) => [0, 1, 2].map(|c| (0..3).map(|a| v[a] * axes[a][c]).sum()),
-                None => {
-                    let known: Vec<String> = self.axes.keys().map(i64::to_string).collect();
-                    self.missing(record.place(field), self.names.system, id, &known);
-                    v
-                }
-            },
+        lost: &str,
+    ) -> Option<[f64; 3]> {
+        let id = line.integer(field);
+        if id == 0 {
+            return Some(v);
         }
+        let Some(axes) = self.axes.get(&id) else {
+            let known: Vec<String> = self.axes.keys().map(i64::to_string).collect();
+            self.missing_for(line.place(field), (self.names.system, id), &known, lost);
+            return None;
+        };
+        Some([0, 1, 2].map(|c| (0..3).map(|a| v[a] * axes[a][c]).sum()))
     }
 
     /// Returns true if the axes of a system are the global ones.

@@ -69,7 +69,8 @@ impl DeckConverter {
                 }
                 if vid != 0 && !orientations.contains_key(&vid) {
                     let known: Vec<String> = orientations.keys().map(i64::to_string).collect();
-                    self.missing(line.place("vid"), "*DEFINE_SD_ORIENTATION", vid, &known);
+                    let of = ("*DEFINE_SD_ORIENTATION", vid);
+                    self.missing_for(line.place("vid"), of, &known, "the spring is left out");
                     continue;
                 }
                 let first = id(line.integer("n1"));

@@ -6,6 +6,8 @@ use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
 
+const VECTOR: &str = "DEFINE_VECTOR";
+
 /// Entries of one key of the bodies of a deck, by the part on their cards.
 #[derive(Debug)]
 pub struct BodyEntries {
@@ -65,7 +67,13 @@ impl DeckConverter {
                 let vid = record.integer("vid");
                 let Some(&along) = vectors.get(&vid) else {
                     let known: Vec<String> = vectors.keys().map(i64::to_string).collect();
-                    self.missing(record.place("vid"), "*DEFINE_VECTOR", vid, &known);
+                    let lost = "the stop is left out: it does not bound the motion of the body";
+                    self.missing_for(
+                        record.place("vid"),
+                        (&format!("*{VECTOR}"), vid),
+                        &known,
+                        lost,
+                    );
                     return Vec::new();
                 };
                 along
@@ -113,12 +121,20 @@ impl DeckConverter {
     /// Returns the vectors of `*DEFINE_VECTOR` by id.
     fn vectors(&mut self) -> BTreeMap<i64, [f64; 3]> {
         let mut found = BTreeMap::new();
-        for record in self.take_records("DEFINE_VECTOR") {
+        for record in self.take_records(VECTOR) {
             for line in record.lines("vid") {
                 let tail = ["xt", "yt", "zt"].map(|c| line.real(c));
                 let head = ["xh", "yh", "zh"].map(|c| line.real(c));
-                let along = self.turned([0, 1, 2].map(|c| head[c] - tail[c]), line, "cid");
-                found.insert(line.integer("vid"), along);
+                let vid = line.integer("vid");
+                let along = [0, 1, 2].map(|c| head[c] - tail[c]);
+                let lost = "the vector is left out";
+                match self.in_global_axes(along, line, "cid", lost) {
+                    Some(along) => drop(found.insert(vid, along)),
+                    None => {
+                        let reason = format!("*{VECTOR} {vid} is left out");
+                        self.left_out.leave_out(VECTOR, vid, reason);
+                    }
+                }
             }
         }
         found

@@ -190,17 +190,62 @@ impl Tree {
     }
 
     /// Removes the entries of all lists whose node set is one of these, or only their set if they
-    /// have parts as well. Returns their places.
-    pub fn remove_entries_of(&mut self, sets: &BTreeSet<String>) -> Vec<Place> {
+    /// have parts as well. Returns their places, and the names of rigid bodies among them.
+    pub fn remove_entries_of(&mut self, sets: &BTreeSet<String>) -> (Vec<Place>, BTreeSet<String>) {
         let mut places = Vec::new();
+        let before = self.bodies();
         self.root.values_mut().for_each(|entry| remove_of(&mut entry.node, sets, &mut places));
-        places
+        (places, &before - &self.bodies())
+    }
+
+    /// Returns the names of all rigid bodies.
+    fn bodies(&self) -> BTreeSet<String> {
+        let list = self.root.get("rigid").map(|entry| &entry.node.kind);
+        let Some(NodeContent::Array(items)) = list else { return BTreeSet::new() };
+        let name = |item: &Node| match &item.kind {
+            NodeContent::Table(keys) => Some(text(&keys.get("name")?.node)?.to_string()),
+            _ => None,
+        };
+        items.iter().filter_map(name).collect()
+    }
+
+    /// Removes the entries of all lists, such as motions and joints, that refer to one of these
+    /// rigid bodies. Returns their places with its name.
+    pub fn remove_entries_on(&mut self, bodies: &BTreeSet<String>) -> Vec<(Place, String)> {
+        let mut found = Vec::new();
+        for entry in self.root.values_mut() {
+            let NodeContent::Array(items) = &mut entry.node.kind else { continue };
+            items.retain(|item| {
+                let name = bodies_of(item).find(|name| bodies.contains(*name));
+                found.extend(name.map(|name| (item.place, name.to_string())));
+                name.is_none()
+            });
+        }
+        found
     }
 
     /// Returns the tree.
     pub fn into_node(self) -> Node {
         Node { kind: NodeContent::Table(self.root), place: Place::Whole }
     }
+}
+
+/// Returns the text of a node; `None` for another kind of node.
+fn text(node: &Node) -> Option<&str> {
+    if let NodeContent::String(text) = &node.kind { Some(text) } else { None }
+}
+
+/// Returns the names of the rigid bodies that an entry refers to.
+fn bodies_of(item: &Node) -> impl Iterator<Item = &str> {
+    let of = |key: &str| match &item.kind {
+        NodeContent::Table(keys) => keys.get(key).map(|entry| &entry.node),
+        _ => None,
+    };
+    let pair: &[Node] = match of("bodies").map(|node| &node.kind) {
+        Some(NodeContent::Array(pair)) => pair,
+        _ => &[],
+    };
+    of("rigid").into_iter().chain(pair).filter_map(text)
 }
 
 /// Removes the entries below a node whose node set is one of these, see

@@ -117,7 +117,8 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             ("heading:l", Count(title)),
             ("sid:i! da1:r da2:r da3:r da4:r solver:a its:a", Once),
-            ("option:a! e:i*7", Rest),
+            // Real attributes follow the ids, whose number depends on the option.
+            ("option:a! e:r*7", Rest),
         ],
         "the same by ALL, SEG, PART, SHELL, SET, SET_SHELL, SET_SOLID, BOX, BOX_SHELL and \
          BOX_SOLID: all shells, and the faces of solids that no other solid of the part has. DSEG, \

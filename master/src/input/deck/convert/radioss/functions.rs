@@ -188,7 +188,6 @@ fn smooth_steps(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    /// A function goes on with its slopes beyond its points; a constant one needs no points.
     #[test]
     fn smooth_steps_have_their_values_and_are_constant_beyond() {
         let all = smooth_steps(&[[0.0, 0.0], [2.0, 60.0], [4.0, 20.0]]);
@@ -200,6 +199,7 @@ mod tests {
         assert_eq!(smooth_steps(&[[1.0, 3.0]]), [[0.0, 3.0], [1.0, 3.0], [2.0, 3.0]]);
     }
 
+    /// A function goes on with its slopes beyond its points; a constant one needs no points.
     #[test]
     fn functions_continue_with_their_slopes() {
         let ramp = vec![[1.0, 2.0], [2.0, 4.0]];

@@ -1,6 +1,7 @@
 //! Converts prescribed motion and initial velocities.
 
 use super::StarterConverter;
+use crate::input::deck::convert::initial::LOST;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
@@ -44,7 +45,18 @@ impl StarterConverter {
                     let form = motion.form;
                     let copy = StarterMotion { curve: motion.curve.clone(), form, ..motion };
                     self.wall_motions.entry(*node).or_default().push(copy);
-                } else if let Some(body) = self.mains.get(node).map(|body| body.name.clone()) {
+                } else if let Some(body) = self.mains.get(node) {
+                    let (body, keeps_main) = (body.name.clone(), body.keeps_main);
+                    if keeps_main {
+                        let message = format!(
+                            "{}/{}: it moves the centre of {body}, not its main node",
+                            record.name(),
+                            record.integer("id")
+                        );
+                        let help = "with icog 3 or 4 the main node is the centre of the body: move \
+                                    it to the centre of its nodes, if the body turns";
+                        self.deck.trouble.warning(place, message, help);
+                    }
                     self.put_motion("rigid", body, &motion);
                 } else {
                     others.push(*node);
@@ -147,7 +159,9 @@ impl StarterConverter {
                 }
                 _ => {
                     let v = ["vx", "vy", "vz"].map(|field| line.real(field));
-                    let v = self.deck.turned(v, &line, "skew");
+                    let Some(v) = self.deck.in_global_axes(v, &line, "skew", LOST) else {
+                        continue;
+                    };
                     if name == "/INIVEL/ROT" { ([0.0; 3], v) } else { (v, [0.0; 3]) }
                 }
             };

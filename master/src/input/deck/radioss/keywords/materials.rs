@@ -29,6 +29,12 @@ fn ratios(record: &CardRecord) -> usize {
     usize::from(record.integer("mflag") == 99)
 }
 
+/// Returns 1 if a card with the id of a failure may follow that of softening: a number in the first
+/// columns of the latter is this id.
+fn identity(record: &CardRecord) -> usize {
+    record.line("icoup").map_or(0, |line| usize::from(line.is_blank("failid")))
+}
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new("/MAT/LAW1", &[TITLE, DENSITY, ("e:r20! nu:r20", Once)], "law `elastic`")
         .aliases(&["/MAT/ELAST"])
@@ -154,8 +160,9 @@ pub const KEYWORDS: &[Keyword] = &[
             ("c1:r20 c2:r20 c3:r20 c4:r20 c5:r20", Once),
             ("pthick:r20 mflag:i sflag:i=2 inst:r20 blank:a10 fctel:i elref:r20", Maybe),
             ("r1:r20 r2:r20 r4:r20 r5:r20", AtMost(ratios)),
-            ("blank:a10 icoup:i dcrit:r20 exp:r20=1", Maybe),
-            ("failid:i", Maybe),
+            // Up to the format 2022 this card is that of failid.
+            ("failid:i icoup:i dcrit:r20 exp:r20=1", Maybe),
+            ("failid:i", AtMost(identity)),
         ],
         "`gissmo_failure_strain` of the material with this id: points of the parabolas over the \
          triaxiality from -1 to 1. pthick is `gissmo_failed_points`, with 0 a shell goes with its \
