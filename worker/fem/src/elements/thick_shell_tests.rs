@@ -66,8 +66,8 @@ fn a_membrane_patch_is_exact() {
     let (force, _) = patch.nodal();
     let largest = patch.largest().0;
     for inside in [5, 6, 9, 10] {
-        for i in 0..3 {
-            let sum = force[inside][i] + force[inside + 16][i];
+        for (below, above) in force[inside].iter().zip(&force[inside + 16]) {
+            let sum = below + above;
             assert!(sum.abs() < 1e-6 * largest, "{inside}: {sum:e} of {largest:e}");
         }
     }
