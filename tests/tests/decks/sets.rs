@@ -25,6 +25,8 @@ fn loaded(lines: &str) -> Vec<Vec<u64>> {
         let face = element.shape.faces()[usize::from(face)];
         let mut nodes: Vec<u64> = face.iter().map(|&c| element.nodes[c].0).collect();
         nodes.sort_unstable();
+        // The last node of a triangle is there twice.
+        nodes.dedup();
         nodes
     };
     let mut all: Vec<Vec<u64>> = faces.map(nodes_of).collect();

@@ -69,7 +69,8 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
 
 /// Returns the warnings that the histories ask for: hourglass energy above 10 % of the internal
 /// energy of a part or 5 % in total, negative energy of contact above 1 % of the largest energy,
-/// friction above 10 % of it, a penetration of half of the thickness. Energies below 0.1 % of the
+/// friction above 10 % of it, as much taken by contact without friction, a penetration of half of
+/// the thickness. Energies below 0.1 % of the
 /// largest one do not count.
 fn of_histories(dir: &Path) -> Expected {
     let mut expected = Expected::new();
@@ -84,6 +85,7 @@ fn of_histories(dir: &Path) -> Expected {
         let found = [
             ("hourglass", hourglass > 0.001 * most && hourglass > 0.05 * internal),
             ("contact_energy", contact > 0.01 * most && most > 0.0),
+            ("contact_loss", friction - contact > 0.1 * most),
             ("friction", -friction > 0.1 * most || friction > 0.01 * most),
             ("penetration", number(row, "penetration") > 0.5),
         ];
@@ -155,7 +157,7 @@ fn judge(name: &str, ended: &Ended) {
         warnings.iter().any(|w| is_it(&w))
     };
     for warning in warnings {
-        let has_place = !["contact_step", "unused_contact", "unused_wall"]
+        let has_place = !["contact_loss", "contact_step", "unused_contact", "unused_wall"]
             .contains(&warning["kind"].as_str().unwrap());
         assert!(!has_place || warning["place"] != "", "{name}: no place in {warning:#}");
     }
