@@ -237,6 +237,8 @@ fn a_thickness_of_one_side_leaves_that_of_the_other() {
     let thickness =
         |solid: bool, card: &str| model_of(&deck(solid, card)).job.contact.unwrap().thickness;
     assert_eq!(thickness(true, "0,0.6"), Some(0.6), "solids");
+    let full = model_of(&deck(true, "0,0.6").replace("SECTION_SOLID\n1,1", "SECTION_SOLID\n1,2"));
+    assert!(full.warnings.iter().any(|w| w.message.contains("elform 2 has several points")));
     assert_eq!(thickness(false, "0,0.6"), Some(0.5), "shells of 0.4");
     assert_eq!(thickness(false, "0.6,0"), Some(0.8), "shells of 1.0 on the other side");
     assert_eq!(thickness(false, "0.6,0.2"), Some(0.4));

@@ -412,6 +412,9 @@ fn a_main_node_stands_for_its_body() {
     let kept = deck.replace(&card("i90 i0 i0 i0 r2.5 i2"), &card("i90 i0 i0 i0 r2.5 i2 i0 i3"));
     let refused = reading(&kept, &[]).err().expect("a lever");
     assert!(refused.contains("not at the centre of the body"), "{refused}");
+    let (before, after) = kept.split_once("/CLOAD/1").unwrap();
+    let without = before.to_string() + &after[after.find("/TH/NODE/4").unwrap()..];
+    assert!(said(&self::model(&without)).contains("it moves the centre of the cube, not its main"));
     assert_eq!((body.name.as_str(), &body.parts[..], &body.nodes), ("the cube", &[2][..], &None));
     assert_eq!(model.job.mass[0].mass, 2.5, "of the main node");
     assert_eq!(body.fixed, ["rz", "x", "y"]);

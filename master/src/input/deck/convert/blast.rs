@@ -149,11 +149,7 @@ impl DeckConverter {
         for record in self.take_records("LOAD_BLAST_SEGMENT_SET") {
             for line in record.lines("bid") {
                 let ssid = line.integer("ssid");
-                let Some(set) = self.segment_sets.get(&ssid).cloned() else {
-                    let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
-                    self.missing(line.place("ssid"), "*SET_SEGMENT", ssid, &known);
-                    continue;
-                };
+                let Some(set) = self.segment_set(ssid, line.place("ssid")) else { continue };
                 loads.push((line.integer("bid"), blast_scale(line), line.place, set));
             }
         }

@@ -252,17 +252,13 @@ impl DeckConverter {
                 let out = self.part_set(id, place);
                 Some(self.parts.keys().copied().filter(|p| !out.contains(p)).collect())
             }
-            0 => match self.segment_sets.get(&id) {
+            0 => match self.segment_set(id, place) {
                 Some(set) => {
                     let nodes: BTreeSet<_> =
                         set.iter().flat_map(|s| s.nodes.iter().copied()).collect();
                     Some(self.parts_with(record, side, "segments", &nodes))
                 }
-                None => {
-                    let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
-                    self.missing(place, "*SET_SEGMENT", id, &known);
-                    Some(Vec::new())
-                }
+                None => Some(Vec::new()),
             },
             4 => {
                 self.node_set(id, place)?;

@@ -93,11 +93,7 @@ impl DeckConverter {
         }
         match record.integer(kind) {
             0 => {
-                let Some(set) = self.segment_sets.get(&number) else {
-                    let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
-                    self.missing(place, "*SET_SEGMENT", number, &known);
-                    return false;
-                };
+                let Some(set) = self.segment_set(number, place) else { return false };
                 let own: BTreeSet<NodeId> =
                     set.iter().flat_map(|s| s.nodes.iter().copied()).collect();
                 let set = format!("segments-{number}");
