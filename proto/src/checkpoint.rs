@@ -13,7 +13,7 @@ pub use file::{decode, encode, read, verify_size, write};
 use serde::{Deserialize, Serialize};
 
 /// Version of the format of manifests and files. It changes with every change of their content.
-pub const FORMAT: u32 = 13;
+pub const FORMAT: u32 = 14;
 /// Largest count in a checkpoint, such as a number of cycles. A larger one was not counted but is
 /// wrong, and could overflow.
 pub const MOST: u64 = 1 << 53;

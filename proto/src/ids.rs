@@ -48,6 +48,36 @@ macro_rules! labelled {
                 fits.then_some(Self(PLACED | place << LABEL_BITS | label))
             }
 
+            /// Returns an id after all others, in number and in place; `None` if there is none left,
+            /// or there are no others.
+            pub fn following(all: impl Iterator<Item = Self>) -> Option<Self> {
+                let both = |(label, last): (u64, Option<Self>), id: Self| {
+                    (label.max(id.label()), last.max(Some(id)))
+                };
+                let (label, last) = all.fold((0, None), both);
+                let last = last?;
+                if last.0 & PLACED == 0 {
+                    return Some(Self(last.0 + 1));
+                }
+                Self::placed(((last.0 & !PLACED) >> LABEL_BITS) + 1, label + 1)
+            }
+
+            /// Returns the `count`-th id after this one, in number and in place.
+            pub fn after(self, count: u64) -> Self {
+                let places = if self.0 & PLACED == 0 { 0 } else { count << LABEL_BITS };
+                Self(self.0 + places + count)
+            }
+
+            /// Returns true if that many ids follow this one.
+            pub fn has_room(self, count: u64) -> bool {
+                if self.0 & PLACED == 0 {
+                    return count <= Self::LARGEST.0.saturating_sub(self.0);
+                }
+                let place = (self.0 & !PLACED) >> LABEL_BITS;
+                let room = |used: u64, bits: u32| (1 << bits) - 1 - used;
+                count <= room(place, PLACE_BITS).min(room(self.label(), LABEL_BITS))
+            }
+
             /// Returns the number in the user's mesh.
             pub fn label(self) -> u64 {
                 if self.0 & PLACED == 0 { self.0 } else { self.0 & ((1 << LABEL_BITS) - 1) }
@@ -131,5 +161,20 @@ mod tests {
         assert_eq!(SegmentId::new(ElemId(3), 5), SegmentId(29));
         assert_eq!(NodeId::placed(0, 1 << LABEL_BITS), None);
         assert_eq!(NodeId::placed(1 << PLACE_BITS, 1), None);
+    }
+
+    #[test]
+    fn new_ids_follow_all_others_in_number_and_in_place() {
+        assert_eq!(NodeId::following([3, 7, 5].map(NodeId).into_iter()), Some(NodeId(8)));
+        assert_eq!(NodeId::following(std::iter::empty()), None);
+        let placed = |place, label| ElemId::placed(place, label).unwrap();
+        let first = ElemId::following([placed(0, 90), placed(4, 12)].into_iter()).unwrap();
+        assert_eq!(first, placed(5, 91));
+        assert_eq!([first.after(0), first.after(3)], [first, placed(8, 94)]);
+        assert_eq!(NodeId(8).after(3), NodeId(11));
+        let last = (1 << PLACE_BITS) - 1;
+        assert!(placed(last - 2, 5).has_room(2) && !placed(last - 2, 5).has_room(3));
+        assert!(NodeId(8).has_room(1 << 40) && !NodeId::LARGEST.has_room(1));
+        assert_eq!(ElemId::following([placed(last, 5)].into_iter()), None);
     }
 }

@@ -1,5 +1,6 @@
 //! The job as it is written in `job.toml`: plain data. The master reads and checks it.
 
+mod adaptivity;
 mod added_mesh;
 mod airbag;
 mod beam;
@@ -21,6 +22,7 @@ mod tie;
 mod truss;
 mod wall;
 
+pub use adaptivity::AdaptivityInput;
 pub use added_mesh::{AddedMeshInput, RotationInput};
 pub use airbag::{AirbagInput, InflowInput, VentInput};
 pub use beam::{BeamInput, BeamSection, Weld};
@@ -92,6 +94,9 @@ pub struct Job {
     /// Settings of all elements.
     #[serde(default)]
     pub elements: Elements,
+    /// Division of shells where they bend. Without this table the mesh stays as it is.
+    #[serde(default)]
+    pub adaptivity: Option<AdaptivityInput>,
     /// Files that are written, and their intervals.
     #[serde(default)]
     pub output: Output,

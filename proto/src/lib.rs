@@ -5,6 +5,7 @@
 //! - [`partition`]: data that one worker receives
 //! - [`loads`], [`airbag`], [`rigid`], [`tie`], [`wall`]: loads and prescribed motions, airbags,
 //!   rigid bodies, ties, walls
+//! - [`adaptivity`]: division of shells
 //! - [`boxes`]: boxes that tile space
 //! - [`exact_sum`]: sums that do not depend on the order of their terms
 //! - [`histories`]: requested histories, and the contributions of workers
@@ -15,6 +16,7 @@
 //!
 //! Kernels for a GPU (`nvptx64`) use the data alone: without files and messages.
 
+pub mod adaptivity;
 pub mod airbag;
 pub mod boxes;
 pub mod checkpoint;

@@ -1,6 +1,7 @@
 //! Data that a worker receives: settings for all workers, records of its elements and nodes.
 //! The same records are sent at start-up and between workers when boxes are renewed.
 
+use crate::adaptivity::AdaptivitySettings;
 use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
 use crate::job::{Compression, ContactInput, Part, Precision};
@@ -81,6 +82,8 @@ pub struct Settings {
     /// True if nodes can rotate, because there are shells, beams or rigid bodies. Otherwise no
     /// rotational columns are stored, migrated or sent.
     pub rotations: bool,
+    /// Division of shells, if the job asks for it.
+    pub adaptivity: Option<AdaptivitySettings>,
     /// Width b of the box buffer [length].
     pub buffer: f64,
     /// Number of cycles between forced redecompositions, 0 for none (for tests).

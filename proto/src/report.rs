@@ -393,6 +393,9 @@ pub struct FinalReport {
     pub capped: u64,
     /// Renewals because elements have failed.
     pub erosions: u64,
+    /// Number of shells that were divided, of all workers, and number of element computations that
+    /// their quarters added so far.
+    pub divided: [u64; 2],
     /// Elements in the internal box, in the buffer, and ghosts, at the end.
     pub classes: [u64; 3],
     /// Half the width of the buffer at the last renewal [length].

@@ -98,9 +98,42 @@ impl ResolvedWall {
         self.window.is_none_or(|[birth, death]| birth <= time && time < death)
     }
 
+    /// Adds a new node to the nodes that the wall acts on, and to those that it ignores, if all
+    /// nodes between which it lies are among them.
+    pub fn inherit(&mut self, new: NodeId, between: &[NodeId]) {
+        for list in self.nodes.iter_mut().chain([&mut self.except]) {
+            let has = |id: &NodeId| list.binary_search(id);
+            if let (true, Err(at)) = (between.iter().all(|id| has(id).is_ok()), has(&new)) {
+                list.insert(at, new);
+            }
+        }
+    }
+
     /// Returns true if the wall acts on the node.
     pub fn allows(&self, node: NodeId) -> bool {
         let within = self.nodes.as_ref().is_none_or(|nodes| nodes.binary_search(&node).is_ok());
         within && self.except.binary_search(&node).is_err()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_between_nodes_of_a_set_belongs_to_it() {
+        let ids = |list: &[u64]| list.iter().copied().map(NodeId).collect::<Vec<_>>();
+        let plane = ResolvedWall::plane([0.0; 3], [0.0, 0.0, 1.0], 0.0);
+        let mut wall =
+            ResolvedWall { nodes: Some(ids(&[1, 2, 9])), except: ids(&[4, 5]), ..plane.clone() };
+        wall.inherit(NodeId(20), &ids(&[1, 2]));
+        wall.inherit(NodeId(21), &ids(&[1, 3]));
+        wall.inherit(NodeId(22), &ids(&[20, 9]));
+        wall.inherit(NodeId(23), &ids(&[4, 5]));
+        assert_eq!(wall.nodes, Some(ids(&[1, 2, 9, 20, 22])));
+        assert_eq!(wall.except, ids(&[4, 5, 23]));
+        let mut of_all = plane;
+        of_all.inherit(NodeId(20), &ids(&[1, 2]));
+        assert!(of_all.allows(NodeId(20)) && of_all.nodes.is_none() && of_all.except.is_empty());
     }
 }

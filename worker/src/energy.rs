@@ -109,6 +109,16 @@ fn kinetic(nodes: &Nodes) -> (ExactSum, ExactSum) {
     (own().map(of).collect(), own().map(swing).collect())
 }
 
+/// Returns the kinetic energy of owned nodes at the last mid-step [energy].
+pub fn kinetic_at_mid_step(nodes: &Nodes) -> ExactSum {
+    let square = |a: &Row| a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+    let of = |i: usize| {
+        let turning = if nodes.rotations { nodes.inertia[i] * square(&nodes.w[i]) } else { 0.0 };
+        0.5 * (nodes.mass[i] * square(&nodes.v[i]) + turning)
+    };
+    (0..nodes.local_count).filter(|&i| nodes.is_owned(i)).map(of).collect()
+}
+
 /// Linear momentum [mass length/time] and angular momentum about the origin [mass length^2/time].
 pub type Momenta<N = f64> = ([N; 3], [N; 3]);
 

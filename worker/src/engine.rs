@@ -4,6 +4,7 @@
 mod changes;
 pub mod checkpoint;
 
+use crate::adaptivity::Adaptivity;
 use crate::airbags::Airbags;
 use crate::constraints::Constraints;
 use crate::contact::Contact;
@@ -20,7 +21,7 @@ use crate::nodes::Nodes;
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes};
 use crate::parallel::ghosts::Ghosts;
 use crate::parallel::history_message::Memories;
-use crate::parallel::migrate::{centre, gather_memories, migrate, stay};
+use crate::parallel::migrate::{centre, distribute, gather_memories, migrate, stay};
 use crate::parallel::pair_exchange::PairExchange;
 use crate::parallel::partition::{Cuts, LocalMesh, PartitionData, build_local_mesh};
 use crate::parallel::reduction::StepReduction;
@@ -42,6 +43,14 @@ use crumple_proto::report::{
 use crumple_proto::trace::Event;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
+
+/// What the engine keeps while its local mesh is built again.
+pub(crate) struct KeptState {
+    slow_dt: f64,
+    all_computed: bool,
+    /// Last cuts of the second decomposition.
+    last_cuts: Option<CutTree>,
+}
 
 /// The engine of one worker.
 pub struct Engine {
@@ -75,6 +84,8 @@ pub struct Engine {
     pub airbags: Airbags,
     /// Prescribed motion, rigid bodies, rigid walls, ties and their bonds.
     pub constraints: Constraints,
+    /// Divisions of shells, if the job asks for them.
+    pub adaptivity: Option<Adaptivity>,
     /// Energies.
     pub ledger: Ledger,
     /// Local indices of the nodes, sections and parts whose histories are recorded.
@@ -137,6 +148,7 @@ impl Engine {
             pair_exchange: PairExchange::default(),
             replicated_pairs: ReplicatedPairs::default(),
             motion: MotionTracker::since(&[]),
+            adaptivity: settings.adaptivity.as_ref().map(Adaptivity::new),
             ledger: Ledger::default(),
             histories: Histories::default(),
             balance: None,
@@ -173,26 +185,75 @@ impl Engine {
         parts: &[u32],
     ) -> Result<(), RankLost> {
         self.tree = tree;
-        let slow_dt = self.blocks.slow_dt; // equal on all workers
-        let all_computed = self.blocks.all_computed;
-        let mut local = self.take_local_mesh();
+        let kept = self.kept();
+        let local = self.take_local_mesh();
         let mut share = match self.settings.has_second_decomposition() {
             true => stay(comm, &local, self.contact.as_ref())?,
             false => migrate(comm, &self.tree, &local, self.contact.as_ref())?,
         };
-        let last_cuts = local.halo.regions.take().map(|regions| regions.tree);
         drop(local);
         if !parts.is_empty() {
             share.remove_parts(parts);
         }
+        self.build_again(comm, share, kept)
+    }
+
+    /// Takes the own elements with their nodes and histories out of the engine, to change them.
+    /// [`Self::settle`] follows. All workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub(crate) fn take_share(
+        &mut self,
+        comm: &mut dyn Transport,
+    ) -> Result<(PartitionData, KeptState), RankLost> {
+        let kept = self.kept();
+        let local = self.take_local_mesh();
+        Ok((stay(comm, &local, self.contact.as_ref())?, kept))
+    }
+
+    /// Builds the mesh of elements that [`Self::take_share`] returned and that have changed since.
+    /// All workers call this together.
+    ///
+    /// # Errors
+    /// A worker is gone.
+    pub(crate) fn settle(
+        &mut self,
+        comm: &mut dyn Transport,
+        share: PartitionData,
+        kept: KeptState,
+    ) -> Result<(), RankLost> {
+        let share = match self.settings.has_second_decomposition() {
+            true => share,
+            false => distribute(comm, &self.tree, &share)?,
+        };
+        self.build_again(comm, share, kept)
+    }
+
+    /// Returns what the engine keeps while its mesh is built again.
+    fn kept(&mut self) -> KeptState {
+        KeptState {
+            slow_dt: self.blocks.slow_dt,
+            all_computed: self.blocks.all_computed,
+            last_cuts: self.halo.regions.take().map(|regions| regions.tree),
+        }
+    }
+
+    /// Builds the local mesh and all that belongs to it. All workers call this together.
+    fn build_again(
+        &mut self,
+        comm: &mut dyn Transport,
+        mut share: PartitionData,
+        kept: KeptState,
+    ) -> Result<(), RankLost> {
         let means = std::mem::take(&mut share.means);
-        let cuts = Cuts { boxes: &self.tree, contact: last_cuts.as_ref() };
+        let cuts = Cuts { boxes: &self.tree, contact: kept.last_cuts.as_ref() };
         let local = build_local_mesh(comm, &self.settings, cuts, share, false)?;
         let memories = local.memories;
         (self.nodes, self.blocks, self.halo) = (local.nodes, local.blocks, local.halo);
         (self.boxes, self.classes) = (local.boxes, local.classes);
-        self.blocks.slow_dt = slow_dt;
-        if all_computed {
+        self.blocks.slow_dt = kept.slow_dt; // equal on all workers
+        if kept.all_computed {
             self.blocks.compute_all();
         }
         if self.settings.subcycles > 1 {

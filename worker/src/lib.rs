@@ -12,11 +12,13 @@
 //! - [`parallel`]: partition, ghosts, migration, the reduction of each step
 //! - [`parameter`], [`registry`]: keys of laws; tables of laws that can be extended
 //! - [`math`]: SIMD lanes, best-fit rigid motion
+//! - [`adaptivity`]: division of shells that bend
 //! - [`loads`], [`airbags`], [`curve`]: external forces, airbags, factors over time; [`erosion`]:
 //!   failed elements
 //! - [`time`], [`energy`], [`histories`], [`output`], [`vtu`]: step sizes, ledger, records,
 //!   files; [`timer`], [`trace`]: time by phase, time line of a worker
 
+pub mod adaptivity;
 pub mod airbags;
 pub mod blast;
 pub mod checkpoint;

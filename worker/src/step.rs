@@ -78,6 +78,7 @@ pub fn step(engine: &mut Engine, comm: &mut dyn Transport) -> Result<StepConsens
     }
     engine.release_broken_ties(comm)?;
     engine.switch_bodies(comm)?;
+    engine.adapt(comm)?;
     Ok(cycle.agreed)
 }
 

@@ -272,6 +272,20 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
             "subcycles    none; time.subcycles = {m} would leave {work} of the element computations"
         )?;
     }
+    if let Some(adaptivity) = &model.settings.adaptivity {
+        let may = |part: &u32| adaptivity.parts.binary_search(part).is_ok();
+        let elements = model.mesh.elements.iter().zip(&model.elements.part);
+        let quads = elements.filter(|(e, part)| e.shape == Shape::Quad4 && may(part)).count();
+        writeln!(
+            out,
+            "adaptivity   {} of {} elements may be divided, {} times, from {} degrees on; the step \
+             becomes shorter with them",
+            quads - adaptivity.kept.len(),
+            model.mesh.elements.len(),
+            adaptivity.levels,
+            figure(adaptivity.angle.to_degrees())
+        )?;
+    }
     Ok(())
 }
 

@@ -317,6 +317,17 @@ impl MeshOutline {
     }
 }
 
+/// Division of shells in a run.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct AdaptivitySummary {
+    /// Number of shells that were divided into four, with quarters that were divided again.
+    pub divided: u64,
+    /// Number of elements at the end.
+    pub elements: u64,
+    /// Number of nodes at the end.
+    pub nodes: usize,
+}
+
 /// The whole file.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Summary {
@@ -332,9 +343,9 @@ pub struct Summary {
     pub end_time: f64,
     /// Number of cycles.
     pub cycles: u64,
-    /// Number of nodes.
+    /// Number of nodes at the start.
     pub nodes: usize,
-    /// Number of elements per type.
+    /// Number of elements per type at the start.
     pub elements: BTreeMap<String, usize>,
     /// Number of workers.
     pub workers: usize,
@@ -371,6 +382,9 @@ pub struct Summary {
     pub parts: Vec<PartSummary>,
     /// Rigid walls of the job.
     pub walls: Vec<WallInput>,
+    /// Division of shells, if the job asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adaptivity: Option<AdaptivitySummary>,
     /// Continuations from checkpoints.
     pub restarts: Vec<RestartSummary>,
     /// Orders of users, with the cycles in which they took effect; `crumple run --steering` repeats

@@ -554,6 +554,10 @@ fn print_summary(s: &Summary, out: &Path) {
         s.redecompositions.high,
         s.imbalance.mean
     );
+    if let Some(a) = &s.adaptivity {
+        let before: usize = s.elements.values().sum();
+        say!("adaptivity: {} shells divided, {before} elements became {}", a.divided, a.elements);
+    }
     let total: f64 = s.phase_s.values().map(|p| p.mean).sum();
     let mut phases: Vec<_> = s.phase_s.iter().collect();
     phases.sort_by(|a, b| b.1.mean.total_cmp(&a.1.mean));

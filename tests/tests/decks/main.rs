@@ -2,6 +2,7 @@
 //! bytes, runs. Mesh files of other programs.
 
 mod accelerometers;
+mod adaptivity;
 mod added_meshes;
 mod airbags;
 mod barlat;

@@ -1,5 +1,6 @@
 //! The run: the same bits on any number of workers, steps, and how runs end.
 
+mod adaptivity;
 mod checkpoint_contents;
 mod checkpoints;
 mod element_classes;

@@ -48,6 +48,7 @@ pub fn settings() -> Settings {
         subcycles: 1,
         contact: None,
         rotations: true,
+        adaptivity: None,
         buffer: 1.0,
         force_every: 0,
         contact_decomposition: ContactDecomposition::Boxes,

@@ -180,6 +180,26 @@ impl Clock {
             // The smallest limit within the finished outer step counts too.
             self.whole_dt.min(self.least_dt)
         };
+        self.set_dt(settings, dt);
+    }
+
+    /// Shortens the present step, if the stable step of the elements has become `stable_dt` since
+    /// it was selected [time]. An outer step must begin.
+    pub fn shorten_dt(&mut self, settings: &Settings, stable_dt: f64) {
+        let limit = settings.safety * stable_dt;
+        self.least_dt = self.least_dt.min(limit);
+        if limit < self.whole_dt {
+            self.set_dt(settings, limit);
+        }
+    }
+
+    /// Returns true if [`Self::shorten_dt`] would shorten the step.
+    pub fn needs_shorter_dt(&self, settings: &Settings, stable_dt: f64) -> bool {
+        settings.safety * stable_dt < self.whole_dt
+    }
+
+    /// Sets the step size; near the end of the run to a part of the remaining time.
+    fn set_dt(&mut self, settings: &Settings, dt: f64) {
         self.min_dt = self.min_dt.min(dt);
         self.whole_dt = dt;
         let left = (settings.end_time - self.time).max(0.0);

@@ -11,6 +11,7 @@ use crumple_proto::ids::{ElemId, NodeId, SegmentId};
 use crumple_proto::mesh::OwnSection;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::wire;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -72,7 +73,12 @@ pub fn read_common(words: &[u64], captured: &Captured) -> Result<CommonState, St
 
 /// The contents of a checkpoint that were checked so far.
 pub struct Fit<'a> {
-    source: InitialModel<'a>,
+    settings: &'a Settings,
+    /// Elements and nodes of the job, with those that divisions have made.
+    elements: Cow<'a, [ElementRecord]>,
+    nodes: Cow<'a, [NodeRecord]>,
+    /// Number of elements that divisions have added.
+    added: usize,
     /// Number of columns by part and shape, of the kinds so far.
     columns: BTreeMap<(u32, u8), usize>,
     ids: Vec<ElemId>,
@@ -81,15 +87,30 @@ pub struct Fit<'a> {
 impl<'a> Fit<'a> {
     /// Prepares the check.
     pub fn new(source: InitialModel<'a>) -> Self {
-        Self { source, columns: BTreeMap::new(), ids: Vec::new() }
+        let InitialModel { settings, elements, nodes } = source;
+        Self {
+            settings,
+            elements: elements.into(),
+            nodes: nodes.into(),
+            added: 0,
+            columns: BTreeMap::new(),
+            ids: Vec::new(),
+        }
     }
 
     /// Checks the common state.
     ///
     /// # Errors
     /// It is not that of the job: the reason.
-    pub fn add_common(&self, words: &[u64], captured: &Captured) -> Result<(), String> {
-        read_common(words, captured)?.validate(self.source.settings)
+    pub fn add_common(&mut self, words: &[u64], captured: &Captured) -> Result<(), String> {
+        let common = read_common(words, captured)?;
+        common.validate(self.settings)?;
+        if let Some(adaptivity) = common.adaptivity.filter(|a| a.divided() > 0) {
+            let before = self.elements.len();
+            adaptivity.divide_at_start(self.elements.to_mut(), self.nodes.to_mut());
+            self.added = self.elements.len() - before;
+        }
+        Ok(())
     }
 
     /// Checks the file of a worker.
@@ -98,8 +119,8 @@ impl<'a> Fit<'a> {
     /// It is not one of the job: the reason.
     pub fn add_piece(&mut self, words: &[u64]) -> Result<(), String> {
         let piece = CheckpointPiece::new(words)?;
-        piece.own.validate(self.source.settings)?;
-        fit_columns(self.source.settings, &piece.share.elements, &mut self.columns)?;
+        piece.own.validate(self.settings)?;
+        fit_columns(self.settings, &piece.share.elements, &mut self.columns)?;
         for (element, _) in &piece.share.elements {
             self.fit_element(element)?;
         }
@@ -107,7 +128,7 @@ impl<'a> Fit<'a> {
             self.fit_node(node)?;
         }
         let means: BTreeSet<NodeId> = piece.share.means.iter().map(|mean| mean.id).collect();
-        let wanted = if self.source.settings.subcycles > 1 { piece.share.nodes.len() } else { 0 };
+        let wanted = if self.settings.subcycles > 1 { piece.share.nodes.len() } else { 0 };
         if means.len() != wanted || piece.share.means.len() != wanted {
             let count = means.len();
             return Err(format!("it has mean velocities of {count} nodes instead of {wanted}"));
@@ -133,19 +154,20 @@ impl<'a> Fit<'a> {
         if let Some(twice) = self.ids.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(format!("it has element {} twice", twice[0]));
         }
-        if self.ids.len() == elements {
+        let wanted = elements + self.added;
+        if self.ids.len() == wanted {
             return Ok(());
         }
-        Err(format!("it has {} of {elements} elements", self.ids.len()))
+        Err(format!("it has {} of {wanted} elements", self.ids.len()))
     }
 
-    fn element(&self, id: ElemId) -> Option<&'a ElementRecord> {
-        let all = self.source.elements;
+    fn element(&self, id: ElemId) -> Option<&ElementRecord> {
+        let all = &self.elements;
         Some(&all[all.binary_search_by_key(&id, |e| e.id).ok()?])
     }
 
-    fn node(&self, id: NodeId) -> Option<&'a NodeRecord> {
-        let all = self.source.nodes;
+    fn node(&self, id: NodeId) -> Option<&NodeRecord> {
+        let all = &self.nodes;
         Some(&all[all.binary_search_by_key(&id, |n| n.id).ok()?])
     }
 

@@ -108,6 +108,11 @@ impl Walls {
         }
     }
 
+    /// See [`ResolvedWall::inherit`].
+    pub fn inherit(&mut self, new: NodeId, between: &[NodeId]) {
+        self.walls.iter_mut().for_each(|wall| wall.job.inherit(new, between));
+    }
+
     /// Finds the nodes that each wall acts on, among those present here.
     pub fn bind_local(&mut self, nodes: &Nodes) {
         for w in &mut self.walls {

@@ -7,6 +7,7 @@
 //! worker did ([`WorkerState`]), which may go to any worker.
 
 use super::Engine;
+use crate::adaptivity::Adaptivity;
 use crate::airbags::{Airbags, BagMemory};
 use crate::constraints::{ConstraintState, Constraints};
 use crate::contact::Contact;
@@ -50,6 +51,8 @@ pub struct CommonState {
     /// Number of updates of the contact surface because elements have failed.
     erosions: u64,
     airbags: Vec<BagMemory>,
+    /// Divisions of shells, if the job asks for them.
+    pub adaptivity: Option<Adaptivity>,
 }
 
 impl CommonState {
@@ -58,7 +61,17 @@ impl CommonState {
     /// # Errors
     /// It has others: the reason.
     pub fn validate(&self, settings: &Settings) -> Result<(), String> {
-        self.constraints.validate(settings)?;
+        match &self.adaptivity {
+            _ if self.adaptivity.is_some() != settings.adaptivity.is_some() => {
+                return Err("only one of it and the job has adaptivity".into());
+            }
+            Some(adaptivity) => {
+                let mut settings = settings.clone();
+                adaptivity.extend(&mut settings);
+                self.constraints.validate(&settings)?;
+            }
+            None => self.constraints.validate(settings)?,
+        }
         let interfaces = settings.contact.as_ref().map_or(0, |contact| contact.each().count());
         if self.started.len() != interfaces {
             let count = self.started.len();
@@ -170,6 +183,7 @@ impl Engine {
             timer,
             erosions,
             airbags,
+            adaptivity,
             // Saved with elements and nodes.
             nodes: _,
             // From the job, or computed for each partition.
@@ -198,6 +212,7 @@ impl Engine {
             contact_pairs: u64,
             erosions: u64,
             airbags: Vec<BagMemory>,
+            adaptivity: &'a Option<Adaptivity>,
         }
         let (started, contact_pairs) = contact.as_ref().map_or((&[][..], 0), Contact::common);
         let view = CheckpointView {
@@ -209,6 +224,7 @@ impl Engine {
             contact_pairs,
             erosions: *erosions,
             airbags: airbags.state(),
+            adaptivity,
         };
         let traffic = comm.traffic();
         Ok(Copied {
@@ -241,6 +257,11 @@ impl Engine {
         (common, own): (CommonState, WorkerState),
     ) -> Result<Self, RankLost> {
         common.constraints.settle(&mut settings);
+        let adaptivity = common.adaptivity.zip(settings.adaptivity.clone());
+        let adaptivity = adaptivity.map(|(state, job)| state.with_settings(&job));
+        if let Some(adaptivity) = &adaptivity {
+            adaptivity.extend(&mut settings);
+        }
         let mut share = distribute(comm, &tree, &share)?;
         let means = std::mem::take(&mut share.means);
         let cuts = Cuts { boxes: &tree, contact: None };
@@ -275,6 +296,7 @@ impl Engine {
             pair_exchange: PairExchange::default(),
             replicated_pairs: ReplicatedPairs::default(),
             motion: MotionTracker::since(&[]),
+            adaptivity,
             ledger: own.ledger,
             histories,
             balance: None,

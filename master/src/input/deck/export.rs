@@ -34,7 +34,7 @@ mod walls;
 mod writer;
 
 pub(in crate::input::deck) use parts::is_thick;
-pub(in crate::input::deck) use rest::{differing, list};
+pub(in crate::input::deck) use rest::{adaptivity, differing, list};
 pub(in crate::input::deck) use writer::{DeckWriter, line, named, table_of, value_of};
 
 use crate::input::deck::convert::units::stated;

@@ -19,6 +19,7 @@
 //! continue. `report.rs` shows all errors at once. No input may cause a panic here; a panic is a
 //! defect of the program.
 
+mod adaptivity;
 mod airbags;
 pub mod axes;
 pub mod centre;
@@ -303,6 +304,10 @@ fn build(
         return None;
     }
     subcycles::divide(&job.time, &mesh, &mut settings, &mut elements, findings);
+    settings.adaptivity = adaptivity::resolve(&job, &mesh, &settings, findings);
+    if findings.any_error() {
+        return None;
+    }
     let gives_skin = job.contact.as_ref().is_some_and(|contact| contact.skin > 0.0);
     if let Some(quality) = quality.as_ref().filter(|_| !gives_skin) {
         search_skin::widen(&mut settings, &mesh, &nodes, &elements, quality.median_side);

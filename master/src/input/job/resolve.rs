@@ -1,7 +1,7 @@
 //! The numbers of a job: range checks and defaults.
 
 use super::validate::{JobProblems, nearest};
-use super::{contact, requirements, walls};
+use super::{adaptivity, contact, requirements, walls};
 use crate::features;
 use crumple_proto::histories::HistoryRequests;
 use crumple_proto::job::{ContactInput, Job, Part, ParticlesInput, Setting};
@@ -28,6 +28,9 @@ pub fn check(job: &Job, workers_given: bool, findings: &mut JobProblems) {
     loads(job, &mut NumberChecks { findings });
     walls::check(job, findings);
     requirements::check(job, findings);
+    if let Some(given) = &job.adaptivity {
+        adaptivity::check(given, job, &mut NumberChecks { findings });
+    }
     if let Some(contact) = &job.contact {
         contact::check(contact, job, &mut NumberChecks { findings });
     }
@@ -323,6 +326,7 @@ pub fn settings(
         subcycles: job.time.subcycles.max(1),
         contact,
         rotations: true,
+        adaptivity: None,
         buffer: or(decomposition.buffer, median.min(COARSE * smallest)),
         force_every: decomposition.force_every,
         contact_decomposition: decomposition.contact,

@@ -268,7 +268,13 @@ impl FieldSource {
             let (points, velocities) = (piece.array("Points")?, piece.array(vtu::VELOCITY.name)?);
             let node_ids = piece.array(vtu::NODE_ID.name)?;
             for ((&n, x), v) in node_ids.iter().zip(points.chunks(3)).zip(velocities.chunks(3)) {
-                let Some(&i) = self.nodes.get(&(n as i64)) else { continue };
+                let Some(&i) = self.nodes.get(&(n as i64)) else {
+                    return Err(format!(
+                        "{}: node {n} is not in the first step, and the format has one mesh for \
+                         all times: the fields of a run with [adaptivity] are for ParaView",
+                        self.steps[step].0.display()
+                    ));
+                };
                 s.x[i] = std::array::from_fn(|c| x[c] as f32);
                 s.v[i] = std::array::from_fn(|c| v[c] as f32);
             }

@@ -58,7 +58,7 @@ impl Control<'_> {
         let end = closings[0].clone();
         let (status, reason) = self.ending(&end);
         let count: usize = self.outline.elements.values().sum();
-        let cycles = end.cycles.max(1) as f64;
+        let computed = count as u64 * end.cycles + end.divided[1];
         let (job, balance) = (&self.model.job, &self.balance);
         Summary {
             title: job.title.clone(),
@@ -71,7 +71,7 @@ impl Control<'_> {
             workers: self.workers,
             transport: self.comm.name().into(),
             wall_s,
-            grind_ns: 1e9 * wall_s * self.workers as f64 / (count as f64 * cycles),
+            grind_ns: 1e9 * wall_s * self.workers as f64 / computed.max(1) as f64,
             phase_s: summary::phases(&closings),
             cpu_s: self.cpu(&closings),
             energy: self.energy(),
@@ -93,6 +93,11 @@ impl Control<'_> {
             parts: summary::parts(job, &self.outline, &self.model.settings.parts, &closings),
             walls: job.wall.clone(),
             elements: self.outline.elements.clone(),
+            adaptivity: job.adaptivity.as_ref().map(|_| summary::AdaptivitySummary {
+                divided: end.divided[0],
+                elements: count as u64 + 3 * end.divided[0],
+                nodes: self.states.len(),
+            }),
             restarts: self.restarts.clone(),
             steering: self.steering.records(),
             checkpoints: self.checkpoints.summary,

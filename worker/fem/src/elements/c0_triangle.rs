@@ -440,6 +440,7 @@ impl Formulation for C0Triangle {
     const OWN: &'static [&'static str] = &["drilling 1", "drilling 2", "drilling 3", "resultant c"];
     /// Step that shear requires at nu = 0.
     const ALONE: f64 = 0.95;
+    const DIVISIBLE: bool = false;
 
     fn section(&self) -> &Section {
         &self.section

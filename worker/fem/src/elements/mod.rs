@@ -143,6 +143,20 @@ pub trait Element: Send + Sync {
     /// coordinates of its slots at the start.
     fn measure(&self, _history: &mut [f64], _x: &[[f64; 3]], _own: OwnSection) {}
 
+    /// Returns the history of the quarter of an element at one of its corners, when the element is
+    /// divided into four; `None` if elements of this kind cannot be divided. `history` is that of
+    /// the element, `x` are the coordinates of the slots of the quarter at the start. Forces that
+    /// only stabilise the element begin at zero, and its energies are not part of it.
+    fn quarter(
+        &self,
+        _history: &[f64],
+        _corner: usize,
+        _x: &[[f64; 3]],
+        _own: OwnSection,
+    ) -> Option<Vec<f64>> {
+        None
+    }
+
     /// Orients a new beam with this history: its second axis points towards the vector `towards`.
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 

@@ -448,6 +448,7 @@ impl<K: Kernel> Formulation for Quad<K> {
     /// The frequency of shear may require a step up to 7 % below `L/c`; the membrane of a single
     /// square is stable for `L/c` only if nu = 0.
     const ALONE: f64 = ALONE;
+    const DIVISIBLE: bool = true;
 
     fn section(&self) -> &Section {
         self.0.section()

@@ -18,6 +18,9 @@ pub trait Formulation: Send + Sync {
     /// See [`Element::single_element_step`].
     const ALONE: f64;
 
+    /// True for quads, which can be divided into four, see [`Element::quarter`].
+    const DIVISIBLE: bool;
+
     /// Returns the section through the thickness.
     fn section(&self) -> &Section;
 
@@ -128,6 +131,23 @@ impl<F: Formulation> Element for Shell<F> {
         self.section().measure(history, own, area, floor);
         let side = [0, 1, 2].map(|c| x[1][c] - x[0][c]);
         self.section().orient(history, own, &F::axes(four(x)), side);
+    }
+
+    fn quarter(
+        &self,
+        history: &[f64],
+        corner: usize,
+        x: &[[f64; 3]],
+        own: OwnSection,
+    ) -> Option<Vec<f64>> {
+        if !F::DIVISIBLE {
+            return None;
+        }
+        let mut quarter = vec![0.0; self.columns()];
+        self.start(&mut quarter, own);
+        self.measure(&mut quarter, x, own);
+        self.section().inherit(history, corner, &mut quarter);
+        Some(quarter)
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64) {

@@ -40,7 +40,7 @@ impl Ties {
     }
 
     /// Builds the tables of the ties; `rotations` states if nodes rotate.
-    fn of_jobs(jobs: Vec<Tie>, rotations: bool) -> Self {
+    pub(super) fn of_jobs(jobs: Vec<Tie>, rotations: bool) -> Self {
         let mut masters: Vec<NodeId> =
             jobs.iter().flat_map(|t| t.masters.iter().map(|c| c.0)).collect();
         masters.extend(jobs.iter().flat_map(|t| &t.failure).flat_map(|f| f.corners));

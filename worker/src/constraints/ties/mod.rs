@@ -108,6 +108,14 @@ pub struct Ties {
     mail: Mailbox,
 }
 
+/// A tie that begins in the run.
+pub struct AddedTie {
+    /// The tie.
+    pub tie: Tie,
+    /// Mass and rotational inertia of its slave [mass], [mass length^2].
+    pub mass: [f64; 2],
+}
+
 impl Ties {
     /// Checks that these are ties of a job; some may be released.
     ///
@@ -263,6 +271,31 @@ impl Ties {
         if self.definitions.is_empty() {
             *self = Self::default();
         }
+    }
+
+    /// Replaces the ties of the slaves for which `is_replaced` is true by others, whose masters have
+    /// the masses of the slaves already. No tie may be one that can fail.
+    pub fn replace(
+        &mut self,
+        is_replaced: impl Fn(NodeId) -> bool,
+        by: Vec<AddedTie>,
+        rotations: bool,
+    ) {
+        let (old, masses, inertias) = (
+            std::mem::take(&mut self.definitions),
+            std::mem::take(&mut self.slave_masses),
+            std::mem::take(&mut self.added_inertia),
+        );
+        let old = old.into_iter().zip(masses).zip(inertias);
+        let kept = old.map(|((tie, mass), inertia)| (tie, mass, inertia));
+        let added = by.into_iter().map(|added| (added.tie, added.mass, added.mass[1]));
+        let mut all: Vec<(Tie, [f64; 2], f64)> =
+            kept.filter(|(tie, ..)| !is_replaced(tie.node)).chain(added).collect();
+        all.sort_by_key(|(tie, ..)| tie.node);
+        let mut ties = Self::of_jobs(all.iter().map(|(tie, ..)| tie.clone()).collect(), rotations);
+        (ties.slave_masses, ties.added_inertia) =
+            all.into_iter().map(|(_, mass, inertia)| (mass, inertia)).unzip();
+        *self = ties;
     }
 
     /// Finds the slaves and masters that are present here, and sets up the exchange.

@@ -3,6 +3,7 @@
 use super::DeckConverter;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
+use crate::input::job::tree::NodeContent;
 use crate::input::job::tree::Place;
 
 impl DeckConverter {
@@ -89,11 +90,6 @@ impl DeckConverter {
                 self.tree.set_in("output", "strains", record.place("strflg"), true);
             }
         }
-        for record in self.take_records("CONTROL_ADAPTIVE") {
-            let message = "*CONTROL_ADAPTIVE: the mesh is not refined";
-            let help = "give a mesh that is fine enough where the sheet bends";
-            self.trouble.warning(record.head, message, help);
-        }
         for record in self.take_one("DAMPING_GLOBAL") {
             // A curve replaces the value of the card.
             let given = match record.integer("lcid") {
@@ -109,6 +105,48 @@ impl DeckConverter {
             let damping = given * self.damping_factor(&record);
             let field = if record.integer("lcid") == 0 { "valdmp" } else { "lcid" };
             self.tree.set_in("time", "damping", record.place(field), damping);
+        }
+    }
+
+    /// Converts `*CONTROL_ADAPTIVE`, for the parts that have been converted.
+    pub(super) fn adaptivity(&mut self) {
+        for record in self.take_one("CONTROL_ADAPTIVE") {
+            let kind = record.integer("adptyp");
+            let angle = record.real("adptol");
+            let parts: Vec<i64> = self.adaptive.iter().copied().collect();
+            let bends = matches!(kind, 1 | 2) && (angle > 0.0 && angle < 180.0);
+            if !bends || parts.is_empty() || record.integer("maxlvl") < 2 {
+                let message = match (bends, parts.is_empty()) {
+                    (true, true) => {
+                        "*CONTROL_ADAPTIVE: no part has adpopt 1; the mesh stays as it is"
+                    }
+                    (true, false) => {
+                        "*CONTROL_ADAPTIVE: maxlvl 1 has no refinement; the mesh stays as it is"
+                    }
+                    _ => {
+                        "*CONTROL_ADAPTIVE: only adptyp 1 and 2 with an angle adptol refine the \
+                         mesh; it stays as it is"
+                    }
+                };
+                let help = "give a mesh that is fine enough where the sheet bends, or [adaptivity]";
+                self.trouble.warning(record.head, message, help);
+                continue;
+            }
+            let mut set = |key: &str, field: &str, value: NodeContent| {
+                self.tree.set_in("adaptivity", key, record.place(field), value);
+            };
+            set("parts", "adptyp", parts.into());
+            set("angle", "adptol", angle.into());
+            set("levels", "maxlvl", (record.integer("maxlvl") - 1).min(4).into());
+            set("interval", "adpfreq", record.real("adpfreq").max(0.0).into());
+            set("begin", "tbirth", record.real("tbirth").max(0.0).into());
+            let end = record.real("tdeath");
+            if end > record.real("tbirth") && end < 1e19 {
+                set("end", "tdeath", end.into());
+            }
+            let used = "shells are divided by their own plastic bending angle, with a ring of \
+                        neighbours";
+            self.map("adaptivity", format!("adptyp {kind}, {angle} degrees"), used);
         }
     }
 

@@ -134,6 +134,8 @@ pub struct DeckConverter {
     end_time: f64,
     /// Parts of shells by the null material that makes them a skin.
     skins: BTreeMap<i64, i64>,
+    /// Parts whose shells may be divided.
+    adaptive: BTreeSet<i64>,
     /// Place of the field that lets solids erode by their step, if it is set.
     eroding: Option<Place>,
     /// Materials and sections of unsupported keywords.
@@ -209,6 +211,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.masses();
     b.body_loads();
     b.part_damping();
+    b.adaptivity();
     b.nodal_loads();
     b.pressures();
     b.non_reflecting();
@@ -285,6 +288,7 @@ impl DeckConverter {
             velocities: Vec::new(),
             end_time: 0.0,
             skins: BTreeMap::new(),
+            adaptive: BTreeSet::new(),
             eroding: None,
             left_out: left_out::LeftOutCards::default(),
             fixes: Vec::new(),

@@ -78,6 +78,9 @@ impl DeckConverter {
         for record in self.take_records("PART") {
             let Some((id, name)) = self.new_part(&record, &mut names) else { continue };
             let place = record.place("pid");
+            if record.integer("adpopt") == 1 {
+                self.adaptive.insert(id);
+            }
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
             let is_spring = section.is_some_and(|s| s.kind == SectionKind::Discrete);

@@ -39,6 +39,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
     differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
     differing(deck, "elements", &job.elements, &Elements::default(), &[]);
     differing(deck, "checkpoint", &job.checkpoint, &Checkpoint::default(), &[]);
+    adaptivity(deck, job);
     differing(deck, "restart", &job.restart, &Restart::default(), &[]);
     // The reader of cards removes the limit if a deck asks for mass scaling.
     if job.time.mass_scaling_dt > 0.0 {
@@ -96,6 +97,15 @@ pub(super) fn times_of_fields(job: &Job) -> Option<Vec<f64>> {
     times.sort_by(f64::total_cmp);
     times.dedup();
     (is_ordered && within).then_some(times)
+}
+
+/// Writes `[adaptivity]`, if the job has it.
+pub(in crate::input::deck) fn adaptivity(deck: &mut DeckWriter, job: &Job) {
+    if let Some(given) = &job.adaptivity {
+        let table = table_of(given);
+        deck.note_leaves("adaptivity", &table, LeftReason::NoCard);
+        deck.rest.insert("adaptivity".into(), Value::Table(table));
+    }
 }
 
 /// Writes a whole list without cards.

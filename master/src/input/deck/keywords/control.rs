@@ -224,9 +224,25 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(&[no_effect("temp card", "values have the units of the deck")]),
     Keyword::new(
         "CONTROL_ADAPTIVE",
-        &[("card:l", Rest)],
-        "ignored with a warning: the mesh is not refined",
-    ),
+        &[
+            ("adpfreq:r adptol:r=1e20 adptyp:i=1 maxlvl:i=3 tbirth:r tdeath:r=1e20 lcadp:i", Once),
+            ("adpsize:r adpass:i ireflg:i adpene:r adpth:r memory:i orient:i maxel:i", Maybe),
+            ("card:l", Rest),
+        ],
+        "`[adaptivity]` of the parts with adpopt 1: adptyp 1 and 2 are divided by their plastic \
+         bending angle, adptol [degree]; maxlvl - 1 is `levels`. Other kinds, and decks where \
+         adaptivity does not work, are warned of, and the mesh stays as it is",
+    )
+    .unused(&[
+        ignored("lcadp", "the time between two checks is constant, adpfreq"),
+        ignored("adpsize", "the number of levels bounds the size of shells"),
+        ignored("adpass", "a step is not repeated with smaller shells: neighbours are divided too"),
+        ignored("ireflg adpene", "shells are divided when they bend, not before"),
+        ignored("adpth", "thinning does not divide shells"),
+        no_effect("memory orient", "the program needs no such limit"),
+        ignored("maxel", "there is no limit of the number of elements"),
+        ignored("card", "shells are not joined again, and no mesh is made anew"),
+    ]),
     harmless("CONTROL_ADAPSTEP", "not used: it is for CONTROL_ADAPTIVE"),
     Keyword::new(
         "CONTROL_DYNAMIC_RELAXATION",

@@ -20,11 +20,10 @@ pub const KEYWORDS: &[Keyword] = &[
          dc and vc are the friction in contacts with fs -1 (for two parts the mean); optt and sft \
          are `contact_thickness` and its scale. Cards of _INERTIA: `mass` and `inertia` of the \
          `[[rigid]]` body that the part leads, its `centre` if that is not the one of its elements \
-         and its `[[initial_velocity]]`",
+         and its `[[initial_velocity]]`. adpopt 1 is for *CONTROL_ADAPTIVE",
     )
     .unused(&[
         no_effect("grav", "it is for loads by density and depth"),
-        ignored("adpopt", "the mesh is not refined"),
         ignored("tmid", "there is no heat conduction"),
         no_effect("ssf", "contact needs no stiffness"),
         ignored("cparm8", "beams of the part are in contact as others"),

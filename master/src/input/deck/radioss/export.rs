@@ -10,7 +10,9 @@ mod materials;
 mod mesh;
 mod parts;
 
-use crate::input::deck::export::{DeckWriter, differing, is_thick, line, list, most, named};
+use crate::input::deck::export::{
+    DeckWriter, adaptivity, differing, is_thick, line, list, most, named,
+};
 use crate::input::deck::number::shortest;
 use crate::input::deck::radioss::BEYOND;
 use crate::input::job::Model;
@@ -388,6 +390,7 @@ impl StarterWriter<'_> {
         differing(deck, "parallel", &job.parallel, &Parallel::default(), &[]);
         differing(deck, "elements", &job.elements, &Elements::default(), &[]);
         differing(deck, "checkpoint", &job.checkpoint, &Checkpoint::default(), &[]);
+        adaptivity(deck, job);
         list(deck, "symmetry", &job.symmetry);
         list(deck, "airbag", &job.airbag);
         list(deck, "non_reflecting", &job.non_reflecting);

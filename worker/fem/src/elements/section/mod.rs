@@ -60,6 +60,9 @@ const VOLUME: usize = 1;
 const INERTIA: usize = 2;
 const SHEAR: usize = 3;
 const POINTS: usize = 5;
+/// Of four points in the plane, in the order of `fully_integrated_quad.rs`, the one next to each
+/// corner.
+const POINT_AT_CORNER: [usize; 4] = [1, 2, 0, 3];
 /// Section of a part: material and points through the thickness.
 pub struct Section {
     law: Box<dyn PlaneStress>,
@@ -340,6 +343,29 @@ impl Section {
         for k in 0..self.planar * self.points {
             let (plane, layer) = (k / self.points, k % self.points);
             history[plane * self.each() + POINTS + layer * self.stride + size] = area.sqrt();
+        }
+    }
+
+    /// Copies to the new history of a quarter of an element, at one of its corners, what its points
+    /// have in the history of the element: thickness, stress and the columns of the law. What
+    /// [`Self::measure`] stores is kept: volume, inertia and size.
+    pub fn inherit(&self, whole: &[f64], corner: usize, quarter: &mut [f64]) {
+        let each = self.each();
+        // Of several points in the plane the one next to the corner.
+        let point = if self.planar == 1 { 0 } else { POINT_AT_CORNER[corner] };
+        let from = &whole[point * each..(point + 1) * each];
+        for plane in 0..self.planar {
+            let to = &mut quarter[plane * each..(plane + 1) * each];
+            to[THICKNESS] = from[THICKNESS];
+            to[SHEAR..POINTS].copy_from_slice(&from[SHEAR..POINTS]);
+            let layers = to[POINTS..].chunks_exact_mut(self.stride);
+            for (to, from) in layers.zip(from[POINTS..].chunks_exact(self.stride)) {
+                let size = self.size.map(|size| to[size]);
+                to.copy_from_slice(from);
+                if let (Some(column), Some(size)) = (self.size, size) {
+                    to[column] = size;
+                }
+            }
         }
     }
 
