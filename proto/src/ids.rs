@@ -48,8 +48,8 @@ macro_rules! labelled {
                 fits.then_some(Self(PLACED | place << LABEL_BITS | label))
             }
 
-            /// Returns an id after all others, in number and in place; `None` if there is none left,
-            /// or there are no others.
+            /// Returns an id after all others, in number and in place; `None` if there is none
+            /// left, or there are no others.
             pub fn following(all: impl Iterator<Item = Self>) -> Option<Self> {
                 let both = |(label, last): (u64, Option<Self>), id: Self| {
                     (label.max(id.label()), last.max(Some(id)))

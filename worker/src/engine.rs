@@ -44,7 +44,7 @@ use crumple_proto::trace::Event;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
 
-/// What the engine keeps while its local mesh is built again.
+/// State that the engine keeps while its local mesh is built again.
 pub(crate) struct KeptState {
     slow_dt: f64,
     all_computed: bool,

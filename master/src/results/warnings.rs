@@ -153,6 +153,8 @@ pub struct WatchedRow<'a> {
     pub parts: &'a [Part],
     /// The rows so far; the last one is judged.
     pub course: &'a Course,
+    /// Number of times that shells may be divided; each halves their step.
+    pub levels: u32,
 }
 
 impl WatchedRow<'_> {
@@ -342,7 +344,8 @@ impl WatchedRow<'_> {
         let cure = "Remesh the element or let its part fail at a large strain; \
                     time.mass_scaling_dt or time.subcycles allow a longer step";
         let kind = (WarningKind::TimeStep, now / first);
-        (first.is_finite() && now < SHORT_STEP * first)
+        let divided = 0.5_f64.powi(self.levels as i32);
+        (first.is_finite() && now < SHORT_STEP * divided * first)
             .then(|| self.warn(row, kind, what, at, cure))
     }
 
@@ -556,7 +559,7 @@ mod tests {
         (row.sum.cycle, row.sum.time) = (30, 2.5);
         change(&mut row);
         course.last = Some(row);
-        WatchedRow { parts: &[part("a"), part("b")], course: &course }.warnings()
+        WatchedRow { parts: &[part("a"), part("b")], course: &course, levels: 0 }.warnings()
     }
 
     /// No part gets the advice to use the element that it has.
@@ -670,7 +673,8 @@ mod tests {
             let names = ["floor", "side", "roof"].map(String::from);
             let mut course = Course::default();
             (course.last, course.pairs) = (Some(row), pairs);
-            let found = WatchedRow { parts: &[], course: &course }.unused(has_contact, &names);
+            let found =
+                WatchedRow { parts: &[], course: &course, levels: 0 }.unused(has_contact, &names);
             found.iter().map(EngineeringWarning::line).collect::<Vec<_>>()
         };
         let found = of(|_| (), 0, true);

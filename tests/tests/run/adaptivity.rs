@@ -7,52 +7,55 @@ use crumple_tests::restart::{Plan, run_interrupted};
 use crumple_tests::{case, model_of, read, run_alone, run_side_by_side};
 use crumple_verification::scene::Scene;
 use crumple_worker::engine::Engine;
-use std::collections::BTreeSet;
 
-/// A short tube with two levels of divisions, which folds onto itself.
-const TUBE: [&str; 6] = [
+/// Tubes and plates that tumble into each other, with friction, and a tube with two levels of
+/// divisions.
+const TUMBLE: [&str; 4] = [
+    "output.field_interval=-1.0",
+    "contact.friction=0.2",
+    "adaptivity.angle=1.0",
+    "adaptivity.interval=0.05",
+];
+const TUBE: [&str; 5] = [
     "output.field_interval=-1.0",
     "scene.elements=4",
     "adaptivity.levels=2",
     "adaptivity.angle=2.0",
     "adaptivity.interval=0.05",
-    "end_time=3.0",
 ];
-
-fn tube(more: &[&str]) -> Model {
-    read(&case("tube-crush"), &[&TUBE[..], more].concat())
-}
 
 #[test]
 fn divided_shells_give_the_same_bits_on_any_workers() {
-    const CYCLES: u64 = 5000;
-    let model = tube(&[]);
-    let mut counts = BTreeSet::new();
-    run_alone(&model, |e| _ = counts.insert(e.blocks.elements.len()));
-    assert!(counts.len() > 4, "divided at several times: {counts:?}");
-    assert!(counts.last().unwrap() > &(2 * counts.first().unwrap()), "{counts:?}");
-    let serial = run_side_by_side(&model, 1, CYCLES, 0);
-    assert!(serial.pairs.iter().any(|pairs| pairs.len() > 10), "there is contact");
-    for (workers, force_every, more) in
-        [(2, 0, &[][..]), (3, 7, &[]), (5, 0, &[]), (3, 0, &["parallel.contact=\"rcb\""])]
-    {
-        let parallel = run_side_by_side(&tube(more), workers, CYCLES, force_every);
-        let what = format!("{workers} workers, {more:?}");
-        for (cycle, (a, b)) in serial.pairs.iter().zip(&parallel.pairs).enumerate() {
-            assert_eq!(a, b, "{what}: pairs in cycle {cycle}");
+    let rcb = "parallel.contact=\"rcb\"";
+    for (name, sets, cycles) in [("tumble", &TUMBLE[..], 1500), ("tube-crush", &TUBE[..], 2500)] {
+        let model = |more: &[&str]| read(&case(name), &[sets, more].concat());
+        let serial = run_side_by_side(&model(&[]), 1, cycles, 0);
+        let (before, after) = (model(&[]).mesh.nodes.len(), serial.nodes.len());
+        assert!(after > 2 * before, "{name}: {before} nodes became {after}");
+        let touching = serial.pairs.iter().filter(|pairs| pairs.len() > 10).count();
+        assert!(name != "tumble" || touching > 100, "contact in {touching} cycles");
+        for (workers, force_every, more) in
+            [(2, 0, &[][..]), (3, 7, &[]), (5, 0, &[]), (3, 0, &[rcb])]
+        {
+            let parallel = run_side_by_side(&model(more), workers, cycles, force_every);
+            let what = format!("{name}: {workers} workers, {more:?}");
+            for (cycle, (a, b)) in serial.pairs.iter().zip(&parallel.pairs).enumerate() {
+                assert_eq!(a, b, "{what}: pairs in cycle {cycle}");
+            }
+            assert_eq!(serial.digest(), parallel.digest(), "{what}");
         }
-        assert_eq!(serial.digest(), parallel.digest(), "{what}");
     }
 }
 
 #[test]
 fn a_run_with_divided_shells_continues_with_the_same_bits() {
-    let model = tube(&["parallel.workers=1"]);
-    let whole = run_side_by_side(&model, 1, 3000, 0);
+    let model = read(&case("tumble"), &TUMBLE);
+    let cycles = 1200;
+    let whole = run_side_by_side(&model, 1, cycles, 0);
     assert!(whole.nodes.len() > 2 * model.mesh.nodes.len(), "{} nodes", whole.nodes.len());
     // Before the first division, and after many.
-    for (at, workers) in [(50, [2, 1]), (2200, [3, 2]), (2600, [1, 4])] {
-        let digest = run_interrupted(&model, Plan { at, cycles: 3000, workers });
+    for (at, workers) in [(30, [2, 1]), (700, [3, 2]), (1000, [1, 4])] {
+        let digest = run_interrupted(&model, Plan { at, cycles, workers });
         assert_eq!(digest, whole.digest(), "cycle {at}");
     }
 }

@@ -14,7 +14,7 @@ use crumple_proto::transport::{Mailbox, RankLost, Transport, gather_all};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
-/// Division of a shell, as its worker tells it to all others.
+/// Division of a shell, as its worker sends it to all others.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
 pub(super) struct Division {
@@ -56,8 +56,8 @@ impl NumberedDivision {
         }
     }
 
-    /// Returns the nodes of the quarter at a corner. Its first node is on the first corner's side of
-    /// the shell, so that its axes are those of the shell.
+    /// Returns the nodes of the quarter at a corner, in the order of the corners of the shell, so
+    /// that its axes are those of the shell.
     fn nodes_of(&self, corner: usize) -> [NodeId; 4] {
         let ([a, b, c, d], [ab, bc, cd, da]) = (self.of.nodes, self.middles);
         let m = self.centre;

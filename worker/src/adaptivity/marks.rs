@@ -1,5 +1,5 @@
-//! Which shells are divided: the criterion, rings of neighbours, and the rule that no side has more
-//! than one node in its middle.
+//! Marks of the shells that are divided: the criterion, rings of neighbours, and the rule that no
+//! side has more than one node in its middle.
 
 use super::{Adaptivity, Side, side};
 use crate::fem::blocks::{Block, Blocks};

@@ -40,7 +40,7 @@ fn side(a: NodeId, b: NodeId) -> Side {
     if a < b { [a, b] } else { [b, a] }
 }
 
-/// What all workers know of the divisions so far.
+/// The divisions so far, equal on all workers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Adaptivity {
     #[serde(skip)]

@@ -135,7 +135,8 @@ const ROLES: &[(&str, &str)] = &[
     ("CONTROL_SPH", "idim=1 form=1 dt=t start=t maxv=v ql=1"),
     (
         "CONTROL_ADAPTIVE",
-        "adpfreq=t adptol=1 adptyp=1 maxlvl=1 tbirth=t tdeath=t lcadp=1 adpsize=l adpass=1 ireflg=1 adpene=l adpth=l memory=1 orient=1 maxel=1",
+        "adpfreq=t adptol=1 adptyp=1 maxlvl=1 tbirth=t tdeath=t lcadp=1 adpsize=l adpass=1 \
+         ireflg=1 adpene=l adpth=l memory=1 orient=1 maxel=1",
     ),
     ("CONTROL_DYNAMIC_RELAXATION", "irelal=1 idrflg=1 drtol=1 drfctr=1 drterm=t tssfdr=1 edttl=1"),
     (

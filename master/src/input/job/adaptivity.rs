@@ -48,9 +48,14 @@ pub fn check(given: &AdaptivityInput, job: &Job, numbers: &mut NumberChecks<'_>)
             numbers.findings.add(Problem::error(format!("output.{key}"), message, help));
         }
     }
+    if !job.restart.delete.is_empty() {
+        let message = "parts cannot be deleted from a run with adaptivity";
+        let help = "remove `delete`, or continue from a run without [adaptivity]";
+        numbers.findings.add(Problem::error("restart.delete", message, help));
+    }
     if job.time.mass_scaling_dt > 0.0 {
-        let message = "quarters of divided shells keep the factor of mass scaling of the shell, and \
-                       their step is half of its step";
+        let message = "quarters of divided shells keep the factor of mass scaling of the shell, \
+                       and their step is half of its step";
         let help = "take a larger `mass_scaling_dt` if the run has to keep its step";
         numbers.findings.add(Problem::warning("adaptivity", message, help));
     }
@@ -156,7 +161,7 @@ fn parts(
     all.filter(|(_, p)| is_named(p.id) && with_quads.contains(&p.id)).map(|(i, _)| i).collect()
 }
 
-/// What keeps shells from being divided.
+/// Nodes, elements and parts that keep shells from being divided.
 struct Fixed {
     nodes: HashSet<NodeId>,
     elements: HashSet<ElemId>,

@@ -29,14 +29,15 @@ impl Control<'_> {
     /// Gives the engineering warnings of the last row that are new.
     pub(super) fn watch_row(&mut self) {
         let (parts, course) = (&self.model.settings.parts[..], &self.history.course);
-        let found = WatchedRow { parts, course }.warnings();
+        let levels = self.model.settings.adaptivity.as_ref().map_or(0, |a| a.levels);
+        let found = WatchedRow { parts, course, levels }.warnings();
         self.add_warnings(found);
     }
 
     /// Gives the warnings of a complete run: what it had, and never used.
     pub(super) fn watch_end(&mut self) {
         let settings = &self.model.settings;
-        let row = WatchedRow { parts: &settings.parts, course: &self.history.course };
+        let row = WatchedRow { parts: &settings.parts, course: &self.history.course, levels: 0 };
         let found = row.unused(settings.contact.is_some(), &wall_names(&settings.walls));
         self.add_warnings(found);
     }

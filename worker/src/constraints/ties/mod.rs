@@ -273,8 +273,8 @@ impl Ties {
         }
     }
 
-    /// Replaces the ties of the slaves for which `is_replaced` is true by others, whose masters have
-    /// the masses of the slaves already. No tie may be one that can fail.
+    /// Replaces the ties of the slaves for which `is_replaced` is true by others, whose masters
+    /// have the masses of the slaves already. No tie may be one that can fail.
     pub fn replace(
         &mut self,
         is_replaced: impl Fn(NodeId) -> bool,

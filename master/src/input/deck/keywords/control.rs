@@ -241,7 +241,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ignored("adpth", "thinning does not divide shells"),
         no_effect("memory orient", "the program needs no such limit"),
         ignored("maxel", "there is no limit of the number of elements"),
-        ignored("card", "shells are not joined again, and no mesh is made anew"),
+        ignored("card", "shells are not joined again, and the whole mesh is not made again"),
     ]),
     harmless("CONTROL_ADAPSTEP", "not used: it is for CONTROL_ADAPTIVE"),
     Keyword::new(

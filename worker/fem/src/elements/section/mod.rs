@@ -60,8 +60,8 @@ const VOLUME: usize = 1;
 const INERTIA: usize = 2;
 const SHEAR: usize = 3;
 const POINTS: usize = 5;
-/// Of four points in the plane, in the order of `fully_integrated_quad.rs`, the one next to each
-/// corner.
+/// The number of the point next to each corner, of four points in the plane in the order of
+/// `fully_integrated_quad.rs`.
 const POINT_AT_CORNER: [usize; 4] = [1, 2, 0, 3];
 /// Section of a part: material and points through the thickness.
 pub struct Section {
@@ -351,7 +351,7 @@ impl Section {
     /// [`Self::measure`] stores is kept: volume, inertia and size.
     pub fn inherit(&self, whole: &[f64], corner: usize, quarter: &mut [f64]) {
         let each = self.each();
-        // Of several points in the plane the one next to the corner.
+        // With several points in the plane it is the one next to the corner.
         let point = if self.planar == 1 { 0 } else { POINT_AT_CORNER[corner] };
         let from = &whole[point * each..(point + 1) * each];
         for plane in 0..self.planar {
