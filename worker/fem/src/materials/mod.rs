@@ -8,6 +8,7 @@ mod axes;
 mod barlat;
 mod cohesive;
 mod crushable_foam;
+mod cscm;
 mod damaged;
 mod elastic;
 mod equation_of_state;
@@ -386,6 +387,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     fluid::LAW,
     low_density_foam::LAW,
     crushable_foam::LAW,
+    cscm::LAW,
     fabric::LAW,
     orthotropic::LAW,
     barlat::LAW,

@@ -50,6 +50,12 @@ impl Cube {
         self.state[6 + column.unwrap_or_else(|| panic!("no column {name}"))]
     }
 
+    /// Sets the value of a column of the history.
+    pub fn set(&mut self, name: &str, value: f64) {
+        let column = self.law.history().iter().position(|column| *column == name);
+        self.state[6 + column.unwrap_or_else(|| panic!("no column {name}"))] = value;
+    }
+
     /// Applies an increment of strain. Returns what the law returns.
     pub fn step(&mut self, strain: [f64; 6], dt: f64) -> f64 {
         let before: [f64; 6] = std::array::from_fn(|c| self.state[c]);
@@ -80,6 +86,36 @@ impl Cube {
             let strain = along(middle);
             self.law.update_one(SolidPoint { state: &mut trial, strain: &strain }, dt);
             if trial[free[0]] > 0.0 { high = middle } else { low = middle }
+        }
+        self.step(along(0.5 * (low + high)), dt);
+    }
+
+    /// Applies `strain`, with the same strain along all axes in `free` such that their stress is
+    /// `stress`: the least such strain above `-size`.
+    pub fn pull_against(
+        &mut self,
+        strain: [f64; 6],
+        free: &[usize],
+        (stress, size): (f64, f64),
+        dt: f64,
+    ) {
+        let along = |lateral: f64| {
+            let mut strain = strain;
+            free.iter().for_each(|&axis| strain[axis] = lateral);
+            strain
+        };
+        let above = |lateral: f64| {
+            let mut trial = self.state.clone();
+            let strain = along(lateral);
+            self.law.update_one(SolidPoint { state: &mut trial, strain: &strain }, dt);
+            trial[free[0]] > stress
+        };
+        let steps = (-20..=20).map(|k| 0.05 * f64::from(k) * size);
+        let mut high = steps.clone().find(|lateral| above(*lateral)).unwrap_or(size);
+        let mut low = high - 0.05 * size;
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if above(middle) { high = middle } else { low = middle }
         }
         self.step(along(0.5 * (low + high)), dt);
     }
