@@ -93,6 +93,13 @@ fn what_is_not_supported_is_refused() {
     ] {
         assert_refused(&deck, &[words]);
     }
+    // The card of the ground or of a moving charge is no further explosion.
+    for (blast, more) in [(4, "1,1\n"), (3, "3.0,70,1.0,1\n")] {
+        let card = format!("3,2.0,0,0,0,0,6,{blast}");
+        let report = report_of(&enhanced(&card, &format!("0,0,0,0,0,0,0\n{more}")));
+        assert!(report.contains(&format!("`blast` = {blast}")), "{report}");
+        assert!(report.contains("1 error") && !report.contains("two explosions"), "{report}");
+    }
     // A refused explosion causes no further errors, and one without segments a warning.
     let report = report_of(&enhanced("3,2.0,0,0,0,0,6,3", ""));
     assert!(report.contains("1 error"), "{report}");

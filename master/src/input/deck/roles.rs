@@ -308,7 +308,8 @@ const ROLES: &[(&str, &str)] = &[
     ("LOAD_BLAST", "wgt=m xbo=@x tbo=t iunit=1 isurf=1 cfm=1 cfl=1 cft=1 cfp=1 death=t"),
     (
         "LOAD_BLAST_ENHANCED",
-        "bid=1 m=m xbo=@x tbo=t unit=1 blast=1 cfm=1 cfl=1 cft=1 cfp=1 nidbo=#n death=t negphs=1",
+        "bid=1 m=m xbo=@x tbo=t unit=1 blast=1 cfm=1 cfl=1 cft=1 cfp=1 nidbo=#n death=t negphs=1 \
+         vel=v temp=1 ratio=1 gnid=#n gvid=#d",
     ),
     ("LOAD_BLAST_SEGMENT*", "bid=1 alepid=#p sfnrb=1 scalep=1"),
     ("LOAD_RIGID_BODY", "dof=1 sf=1"),

@@ -27,8 +27,8 @@ impl DeckConverter {
             blasts.insert(AS_CURVE, (table, record.head));
         }
         for record in self.take_records("LOAD_BLAST_ENHANCED") {
-            let why = "use 1 (ground) or 2 (air): moving charges and the reflection of an air \
-                       burst by the ground are not supported";
+            let why = "use 1 (ground) or 2 (air): moving charges (3) and the reflection of an \
+                       air burst by the ground (4) are not supported";
             let mut table = self.blast(&record, ["m", "unit", "blast"], why);
             match record.integer("negphs") {
                 0 => {}

@@ -18,6 +18,16 @@ const OF_RIGID: UnusedFields =
 const NODAL_UNUSED: &[UnusedFields] =
     &[no_effect("m1 m2 m3", "they are for loads that follow nodes (dof 4 and 8)")];
 
+/// Returns 1 for a charge that moves, whose card follows.
+fn moves(record: &CardRecord) -> usize {
+    usize::from(record.integer("blast") == 3)
+}
+
+/// Returns 1 for an air burst with reflection by the ground, whose card follows.
+fn has_ground(record: &CardRecord) -> usize {
+    usize::from(record.integer("blast") == 4)
+}
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "BOUNDARY_SPC_SET",
@@ -216,12 +226,18 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             ("bid:i! m:r! xbo:r ybo:r zbo:r tbo:r unit:i=2 blast:i=2", Once),
             ("cfm:r cfl:r cft:r cfp:r nidbo:i death:r=1e20 negphs:i", Maybe),
+            ("vel:r temp:r=70 ratio:r=1 vid:i", AtMost(moves)),
+            ("gnid:i gvid:i", AtMost(has_ground)),
         ],
         "`blast` of the pressures of LOAD_BLAST_SEGMENT; blast 1 and 2 are `burst`, unit and the \
          factors are `si`, negphs is `suction`. Distance and angle of a face are those at the \
          start",
     )
-    .unused(&[refused("nidbo", "a charge that moves with a node")])
+    .unused(&[
+        refused("nidbo", "a charge that moves with a node"),
+        no_effect("vel temp ratio vid", "they are for blast 3, which is refused as a whole"),
+        no_effect("gnid gvid", "they are for blast 4, which is refused as a whole"),
+    ])
     .repeats(),
     Keyword::new(
         "LOAD_BLAST_SEGMENT",
