@@ -15,6 +15,7 @@ mod bytes;
 mod cases;
 mod cohesive;
 mod composites;
+mod concrete;
 mod contacts;
 mod damage;
 mod damping;

@@ -3,7 +3,7 @@
 use super::DeckConverter;
 use super::cohesive::{self, CohesiveIntegration};
 use super::tree::JobTable;
-use super::{composites, metals, soft_materials};
+use super::{composites, concrete, metals, soft_materials};
 use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
@@ -89,6 +89,7 @@ impl DeckConverter {
         let others = metals::KEYWORDS
             .into_iter()
             .chain(soft_materials::KEYWORDS)
+            .chain(concrete::KEYWORDS)
             .chain(composites::KEYWORDS)
             .chain(cohesive::KEYWORDS);
         for keyword in KEYWORDS.into_iter().chain(others) {
@@ -102,7 +103,9 @@ impl DeckConverter {
                 let is_ply = composites::KEYWORDS.contains(&keyword);
                 let is_cohesive = cohesive::KEYWORDS.contains(&keyword);
                 let is_hydro = keyword == HYDRO;
-                let (mut table, mut e) = if is_soft || is_ply || is_cohesive || is_hydro {
+                let is_concrete = concrete::KEYWORDS.contains(&keyword);
+                let has_own = is_soft || is_ply || is_cohesive || is_hydro || is_concrete;
+                let (mut table, mut e) = if has_own {
                     (without_constants(&record, &name), 0.0)
                 } else {
                     elastic(&record, &name)
@@ -128,6 +131,7 @@ impl DeckConverter {
                         cohesive = Some(self.cohesive(keyword, &record, &mut table));
                     }
                     _ if is_ply => e = self.ply(keyword, &record, &mut table),
+                    _ if is_concrete => e = self.concrete(keyword, &record, &mut table),
                     _ if is_soft => e = self.soft_material(keyword, &record, &mut table),
                     _ if metals::KEYWORDS.contains(&keyword) => {
                         self.metal(keyword, &record, &mut table);

@@ -7,6 +7,7 @@ mod blast;
 mod body_forces;
 mod cohesive;
 mod composites;
+mod concrete;
 mod contact;
 mod control;
 mod curves;

@@ -1,4 +1,4 @@
-//! Writes rubbers, foams, honeycombs, fabrics and viscoelastic materials as cards.
+//! Writes rubbers, foams, honeycombs, fabrics, concrete and viscoelastic materials as cards.
 
 use super::materials::{CardParameters, MaterialCards};
 use super::{Blank, CardValue, DeckWriter, Id, Number};
@@ -29,6 +29,7 @@ pub fn write(
         "low_density_foam" => low_density_foam(deck, cards, read),
         "crushable_foam" => crushable_foam(deck, cards, read),
         "fabric" => fabric(deck, cards, read),
+        "cscm" => concrete(deck, cards, read),
         "honeycomb" => honeycomb(deck, cards, read),
         _ => return false,
     }
@@ -51,6 +52,62 @@ fn viscoelastic(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut Car
     cards.head(deck, "MAT_VISCOELASTIC");
     let slow = keys.map(|key| Number(cards.number(key)));
     deck.card(&[&first(cards)[..], &[Number(bulk), Number(fast)], &slow].concat());
+}
+
+fn concrete(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {
+    let [e, nu] = ["youngs_modulus", "poisson"].map(|key| cards.number(key));
+    let [k, g] = [e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu))];
+    read.insert("youngs_modulus".into(), Param::Number(9.0 * k * g / (3.0 * k + g)));
+    let nu = (3.0 * k - 2.0 * g) / (2.0 * (3.0 * k + g));
+    read.insert("poisson".into(), Param::Number(nu));
+    let lists =
+        ["shear_surface", "torsion", "extension", "cap", "tension_rate", "compression_rate"];
+    cards.keep(read, &lists);
+    let damage = [
+        ("compression_shape", 100.0),
+        ("compression_energy", 0.0),
+        ("tension_shape", 0.1),
+        ("tension_energy", 0.0),
+        ("shear_energy", 0.0),
+        ("compression_power", 5.0),
+        ("tension_power", 1.0),
+        ("softening_power", 0.0),
+    ];
+    let rates = [("shear_rate_ratio", 1.0), ("rate_energy_power", 1.0)];
+    cards.keep(read, &["erosion_strain", "recovery"]);
+    for (key, _) in damage.into_iter().chain(rates) {
+        cards.keep(read, &[key]);
+    }
+    let number = |(key, otherwise): (&str, f64)| {
+        Number(if cards.has(key) { cards.number(key) } else { otherwise })
+    };
+    let list = |key: &str| cards.list(key).iter().map(|&x| Number(x)).collect::<Vec<_>>();
+    let by_rate = cards.has("tension_rate");
+    let erode = match cards.has("erosion_strain") {
+        true => Number(1.0 + cards.number("erosion_strain")),
+        false => Blank,
+    };
+    cards.head(deck, "MAT_CSCM");
+    let irate = Id(u64::from(by_rate));
+    let rest = [Blank, Blank, irate, erode, cards.field("recovery")];
+    deck.card(&[&first(cards)[..], &rest].concat());
+    deck.card(&[Number(0.0)]);
+    deck.card(&[&[Number(g), Number(k)][..], &list("shear_surface")].concat());
+    deck.card(&[list("torsion"), list("extension")].concat());
+    deck.card(&list("cap"));
+    deck.card(&damage.map(number));
+    if by_rate {
+        let [tension, compression] =
+            ["tension_rate", "compression_rate"].map(|key| cards.list(key).to_vec());
+        let mut card: Vec<CardValue> = [&compression[..2], &tension[..2]]
+            .concat()
+            .into_iter()
+            .chain([compression[2], tension[2]])
+            .map(Number)
+            .collect();
+        card.extend(rates.map(number));
+        deck.card(&card);
+    }
 }
 
 fn rubber(deck: &mut DeckWriter, law: &str, cards: &MaterialCards<'_>, read: &mut CardParameters) {

@@ -4,6 +4,7 @@
 mod airbags;
 mod cohesive;
 mod composites;
+mod concrete;
 mod constraints;
 mod contact;
 mod control;
@@ -32,6 +33,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Composites", composites::KEYWORDS),
     ("Cohesive elements", cohesive::KEYWORDS),
     ("Rubber, foam and honeycomb", soft_materials::KEYWORDS),
+    ("Concrete", concrete::KEYWORDS),
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
     ("Airbags", airbags::KEYWORDS),
