@@ -20,16 +20,8 @@ pub struct AdaptivitySettings {
     pub interval: f64,
     /// Quads of these parts that are never divided, ascending.
     pub kept: Vec<ElemId>,
-    /// Pairs of nodes, each with the lower id first, ascending: both nodes have one motion that is
-    /// prescribed, and so has a node between them.
-    pub led: Vec<[NodeId; 2]>,
-    /// First ids of new elements and nodes.
-    pub first: (ElemId, NodeId),
-}
-
-impl AdaptivitySettings {
-    /// Returns the time of a check by its number [time].
-    pub fn time_of(&self, number: u64) -> f64 {
-        self.window[0] + number as f64 * self.interval
-    }
+    /// First id of a new element.
+    pub first_element: ElemId,
+    /// First id of a new node.
+    pub first_node: NodeId,
 }

@@ -393,9 +393,8 @@ pub struct FinalReport {
     pub capped: u64,
     /// Renewals because elements have failed.
     pub erosions: u64,
-    /// Number of shells that were divided, of all workers, and number of element computations that
-    /// their quarters added so far.
-    pub divided: [u64; 2],
+    /// Divisions of shells, of all workers.
+    pub divisions: DivisionCounts,
     /// Elements in the internal box, in the buffer, and ghosts, at the end.
     pub classes: [u64; 3],
     /// Half the width of the buffer at the last renewal [length].
@@ -404,6 +403,15 @@ pub struct FinalReport {
     pub stopped: bool,
     /// Summary of each part, in the order of the settings.
     pub parts: Vec<PartRecord>,
+}
+
+/// Divisions of shells so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DivisionCounts {
+    /// Number of shells that were divided.
+    pub divided: u64,
+    /// Number of computations of elements that their quarters have added.
+    pub computed: u64,
 }
 
 /// Summary of one worker's elements of a part, and of the surfaces of the part that the worker

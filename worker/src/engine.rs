@@ -148,7 +148,7 @@ impl Engine {
             pair_exchange: PairExchange::default(),
             replicated_pairs: ReplicatedPairs::default(),
             motion: MotionTracker::since(&[]),
-            adaptivity: settings.adaptivity.as_ref().map(Adaptivity::new),
+            adaptivity: Adaptivity::new(&settings),
             ledger: Ledger::default(),
             histories: Histories::default(),
             balance: None,

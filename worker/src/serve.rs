@@ -558,7 +558,7 @@ impl RunningWorker {
             unsettled: e.contact.as_ref().map_or([0; 2], |c| c.unsettled),
             capped: e.contact.as_ref().map_or(0, |c| c.capped_pairs),
             erosions: e.erosions,
-            divided: e.adaptivity.as_ref().map_or([0; 2], |a| a.counts(cycle)),
+            divisions: e.adaptivity.as_ref().map_or_else(Default::default, |a| a.counts(cycle)),
             classes: [e.classes.interior, e.classes.interface, e.classes.exterior],
             half_buffer: e.boxes.half_width,
             stopped: self.stopped,

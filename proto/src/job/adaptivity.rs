@@ -12,8 +12,9 @@ use serde::{Deserialize, Serialize};
 /// shell is not divided follows the ends of this side, as a tied node does. The smallest shell
 /// controls the step, so that each level halves it.
 ///
-/// Shells are not divided if they are rigid, loaded by pressure, tied, recorded as a section, or
-/// share nodes with triangles, solids, beams, springs or rigid bodies.
+/// Shells are not divided if they are rigid, loaded by pressure, tied, recorded as a section or by
+/// a transducer with a node set, or share nodes with solids, beams, springs or rigid bodies.
+/// Concave shells wait until they are not. Triangles are never divided.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AdaptivityInput {
@@ -21,8 +22,8 @@ pub struct AdaptivityInput {
     #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
     /// Plastic bending angle of a shell, from side to side, from which on it is divided [degree]:
-    /// twice the difference of effective plastic strain over its thickness, times its side, over
-    /// its thickness.
+    /// twice the effective plastic strain of bending at its outer fibres, times its side, over its
+    /// thickness.
     pub angle: f64,
     /// Number of rings of neighbours that are divided with a shell, so that a fold that moves on
     /// finds small shells.

@@ -60,100 +60,176 @@ fn a_run_with_divided_shells_continues_with_the_same_bits() {
     }
 }
 
-/// Returns a strip of 16 square shells of side 4, bent as its end moves down.
-fn strip(more: &[&str]) -> Model {
+/// Returns a strip of 16 square shells of side 4, fixed at the root, with the last `tip` rows of
+/// nodes in the set `tip`, and the cards `rest`. The second half is part 2.
+fn strip_with(tip: usize, rest: &str, more: &[&str]) -> Model {
     let mut scene = Scene::default();
     let rows: Vec<[u32; 3]> = (0..=8)
         .map(|i| [0, 1, 2].map(|j| scene.node([4.0 * f64::from(i), 4.0 * f64::from(j), 0.0])))
         .collect();
-    for ends in rows.windows(2) {
+    for (i, ends) in rows.windows(2).enumerate() {
         for j in 0..2 {
-            scene.shell(1, &[ends[0][j], ends[1][j], ends[1][j + 1], ends[0][j + 1]]);
+            let part = if i < 4 { 1 } else { 2 };
+            let [a, b, c, d] = [ends[0][j], ends[1][j], ends[1][j + 1], ends[0][j + 1]];
+            if (i, j) == (1, 1) {
+                scene.shell(part, &[a, b, c]);
+                scene.shell(part, &[a, c, d]);
+            } else {
+                scene.shell(part, &[a, b, c, d]);
+            }
         }
     }
     scene.set_named("root", &rows[0]);
-    scene.set_named("tip", &rows[8]);
+    scene.set_named("tip", &rows[9 - tip..].concat());
+    scene.set_named("end", &rows[8]);
+    let part = |id: u32| format!("[[part]]\nid = {id}\nmaterial = \"steel\"\nthickness = 1.0\n");
     let text = format!(
         "end_time = 0.6\n{}[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\n\
          law = \"j2\"\ndensity = 7.85e-6\nyoungs_modulus = 207.0\npoisson = 0.3\n\
-         yield_stress = 0.2\nhardening_modulus = 1.0\n\
-         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n\
-         [[fix]]\nnodes = \"root\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n\
-         [[motion]]\nnodes = \"tip\"\ndofs = [\"z\"]\n\
-         velocity = [0.0, 0.0, -20.0]\n\
+         yield_stress = 0.2\nhardening_modulus = 1.0\n{}{}{rest}\
          [adaptivity]\nangle = 3.0\nrings = 0\ninterval = 0.02\n",
         scene.mesh_text(),
+        part(1),
+        part(2),
     );
     model_of(&text, more)
 }
 
-/// The mass of the elements that are left and of the new ones is that of the mesh; the energy
-/// balance goes on; a node in the middle of a side of a larger shell stays in the middle.
-#[test]
-fn a_division_keeps_mass_and_energy_and_hanging_nodes_in_their_places() {
-    let model = strip(&[]);
-    let mass = |e: &Engine| e.nodes.mass.iter().sum::<f64>();
-    let (mut first, mut hung) = (None, 0);
-    let end = run_alone(&model, |e| {
-        let first = *first.get_or_insert(mass(e));
-        assert!((mass(e) / first - 1.0).abs() < 1e-12, "{} of {first}", mass(e));
-        let place = |id| {
-            let i = e.nodes.local_index(id).unwrap() as usize;
-            e.nodes.x[i]
-        };
-        for (node, side) in e.adaptivity.as_ref().unwrap().hanging() {
-            hung += 1;
-            let [a, b, m] = [side[0], side[1], node].map(place);
-            let off = (0..3).map(|k| (m[k] - 0.5 * (a[k] + b[k])).abs()).fold(0.0, f64::max);
-            assert!(off < 1e-9, "node {node} is {off} off its side");
-        }
-    });
-    let divided = end.adaptivity.as_ref().unwrap().divided();
-    assert!((4..16).contains(&divided), "{divided} of 16 shells");
-    assert!(hung > 100, "{hung}");
-    assert_eq!(end.blocks.elements.len() as u64, 16 + 3 * divided);
-    let energies = end.energies(true);
-    let [internal, external] = [&energies.internal, &energies.external].map(|e| e.value());
-    let error = energies.kinetic.value() + internal + energies.hourglass.value() - external;
-    assert!(internal > 0.2 && error.abs() < 0.01 * internal, "{error} of {internal}");
+const CLAMPED: &str =
+    "[[fix]]\nnodes = \"root\"\ndofs = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"]\n";
+
+/// Returns the strip, bent as its end moves down at 20 mm/ms.
+fn strip(more: &[&str]) -> Model {
+    let rest = format!(
+        "{CLAMPED}[[motion]]\nnodes = \"end\"\ndofs = [\"z\"]\nvelocity = [0.0, 0.0, -20.0]\n"
+    );
+    strip_with(1, &rest, more)
 }
 
-/// The edge with the prescribed motion and the clamped edge stay straight and whole, also when
-/// their shells are divided.
+fn divided(e: &Engine) -> u64 {
+    e.adaptivity.as_ref().unwrap().divided()
+}
+
+/// Returns how far the sides of shells come apart: the largest distance of a node that lay on a
+/// side of a shell, between its ends, from its place on this side [length].
+fn largest_gap(e: &Engine) -> f64 {
+    let n = &e.nodes;
+    let at = |i: usize| nalgebra::Vector3::from_row_slice(&n.x[i][..3]);
+    let at_start = |i: usize| nalgebra::Vector3::from_row_slice(&n.x0[i][..3]);
+    let mut largest = 0.0_f64;
+    for shell in &e.blocks.elements {
+        let corners = shell.record.shape.corners();
+        for k in 0..corners {
+            let ends = [k, (k + 1) % corners].map(|c| shell.nodes[c] as usize);
+            let ([a, b], [a0, b0]) = (ends.map(at), ends.map(at_start));
+            for i in (0..n.local_count).filter(|i| !ends.contains(i)) {
+                let along = b0 - a0;
+                let share = (at_start(i) - a0).dot(&along) / along.norm_squared();
+                let is_on = (at_start(i) - a0 - along * share).norm() < 1e-9;
+                if is_on && share > 0.0 && share < 1.0 {
+                    largest = largest.max((at(i) - a - (b - a) * share).norm());
+                }
+            }
+        }
+    }
+    largest
+}
+
+/// The energy balance: stored energy less external work, over the internal energy.
+fn imbalance(e: &Engine) -> f64 {
+    let of = e.energies(true).values();
+    (of.kinetic + of.internal + of.hourglass - of.external) / of.internal
+}
+
+/// The mass of the elements that are left and of the new ones is that of the mesh; the energy
+/// balance goes on; the strip has no cracks next to shells that are not divided: triangles, those
+/// below the angle, those of another part, with one and with two levels.
+#[test]
+fn a_division_keeps_mass_and_energy_and_opens_no_cracks() {
+    for (more, most) in [
+        (&["adaptivity.levels=1"][..], 20),
+        (&["adaptivity.levels=2", "adaptivity.angle=1.0"], 80),
+        (&["adaptivity.levels=3", "adaptivity.parts=[1]", "adaptivity.angle=1.0"], 300),
+        (&["adaptivity.levels=2", "adaptivity.parts=[2]", "adaptivity.rings=1"], 80),
+    ] {
+        let model = strip(more);
+        let mass = |e: &Engine| e.nodes.mass.iter().sum::<f64>();
+        let (mut first, mut before) = (None, 0);
+        let end = run_alone(&model, |e| {
+            let first = *first.get_or_insert(mass(e));
+            assert!((mass(e) / first - 1.0).abs() < 1e-12, "{} of {first}", mass(e));
+            if divided(e) != before || e.clock.cycle.is_multiple_of(100) {
+                before = divided(e);
+                // Positions are sums of steps: round-off.
+                let gap = largest_gap(e);
+                assert!(gap < 1e-9, "{more:?}, cycle {}: {gap}", e.clock.cycle);
+            }
+        });
+        let count = divided(&end);
+        assert!(count >= 4 && count < most, "{more:?}: {count}");
+        assert_eq!(end.blocks.elements.len() as u64, 17 + 3 * count);
+        // Measured 0.3 to 0.6 %; without divisions 0.004 %.
+        let error = imbalance(&end);
+        assert!(error.abs() < 0.015, "{more:?}: {error}");
+    }
+}
+
+/// A free strip whose end is thrown: all its shells are squares, so that momentum is conserved to
+/// round-off, with hanging nodes and triangles.
+#[test]
+fn a_division_of_squares_keeps_the_momentum() {
+    let thrown = "[[initial_velocity]]\nnodes = \"end\"\nvelocity = [3.0, 0.0, -60.0]\n";
+    let momentum = |e: &Engine| {
+        let each = e.nodes.mass.iter().zip(&e.nodes.v);
+        each.fold([0.0; 3], |p, (m, v)| [0, 1, 2].map(|c| p[c] + m * v[c]))
+    };
+    let mut first = None;
+    let end = run_alone(&strip_with(1, thrown, &["adaptivity.angle=1.0"]), |e| {
+        let first = *first.get_or_insert(momentum(e));
+        let now = momentum(e);
+        for c in 0..3 {
+            let apart = (now[c] - first[c]).abs();
+            assert!(apart < 1e-12 * first[2].abs(), "cycle {}: {now:?}", e.clock.cycle);
+        }
+    });
+    assert!(divided(&end) > 3, "{}", divided(&end));
+}
+
+/// New nodes between fixed nodes are fixed. New nodes between nodes of a motion with a curve follow
+/// it: those on the edge, and those in the middle of shells all of whose corners have it.
 #[test]
 fn new_nodes_of_constrained_edges_are_constrained() {
-    let model = strip(&["adaptivity.rings=4"]);
+    let wave = "[[curve]]\nname = \"wave\"\npoints = [[0.0, 0.0], [0.3, 1.0], [0.6, 0.2]]\n\
+                [[motion]]\nnodes = \"tip\"\ndofs = [\"z\"]\n\
+                displacement = [0.0, 0.0, -12.0]\ncurve = \"wave\"\n";
+    let model = strip_with(2, &format!("{CLAMPED}{wave}"), &["adaptivity.rings=4"]);
     let end = run_alone(&model, |_| ());
-    assert_eq!(end.adaptivity.as_ref().unwrap().divided(), 16, "all are divided");
-    assert_eq!(end.nodes.local_count, 17 * 5);
+    assert_eq!(divided(&end), 15, "all quads are divided");
     let nodes = &end.nodes;
     let (mut root, mut tip) = (0, 0);
     for i in 0..nodes.local_count {
         if nodes.x0[i][0] == 0.0 {
             root += 1;
             assert_eq!(nodes.x[i], nodes.x0[i], "a node of the root has moved");
-        } else if nodes.x0[i][0] == 32.0 {
+        } else if nodes.x0[i][0] >= 28.0 {
             tip += 1;
-            assert!((nodes.x[i][2] + 12.0).abs() < 1e-9, "{}", nodes.x[i][2]);
+            let off = nodes.x[i][2] + 12.0 * 0.2;
+            assert!(off.abs() < 1e-9, "{off} at {:?}", nodes.x0[i]);
         }
     }
-    assert_eq!([root, tip], [5, 5]);
+    assert_eq!([root, tip], [5, 15]);
 }
 
-/// The angle of a strip bent over a known plastic strain: shells are divided where it is reached,
-/// and nowhere if the limit is above it.
+/// Shells are divided where the limit is reached, and nowhere if it is above every angle.
 #[test]
-fn shells_are_divided_from_the_given_angle_on() {
-    let divided = |angle: &str| {
-        let end = run_alone(&strip(&[angle]), |_| ());
-        end.adaptivity.as_ref().unwrap().divided()
-    };
-    assert_eq!(divided("adaptivity.angle=170.0"), 0);
-    let (few, many) = (divided("adaptivity.angle=8.0"), divided("adaptivity.angle=1.0"));
+fn a_smaller_angle_divides_more_shells() {
+    let count = |angle: &str| divided(&run_alone(&strip(&[angle]), |_| ()));
+    assert_eq!(count("adaptivity.angle=170.0"), 0);
+    let (few, many) = (count("adaptivity.angle=8.0"), count("adaptivity.angle=1.0"));
     assert!(0 < few && few < many, "{few} {many}");
 }
 
-/// All forms of four-node shells, with offsets and layers of points, in either precision.
+/// All forms of four-node shells, with an offset and in single precision.
 #[test]
 fn all_quads_can_be_divided() {
     for more in [
@@ -161,15 +237,12 @@ fn all_quads_can_be_divided() {
         "part.1.element=\"fully_integrated_quad\"",
         "part.1.offset=1.0",
         "elements.precision=\"single\"",
-        "adaptivity.levels=3",
+        "part.1.points=3",
     ] {
-        let end = run_alone(&strip(&[more]), |_| ());
-        let divided = end.adaptivity.as_ref().unwrap().divided();
-        assert!(divided >= 4, "{more}: {divided}");
-        let energies = end.energies(true);
-        let internal = energies.internal.value();
-        let error = energies.kinetic.value() + internal + energies.hourglass.value()
-            - energies.external.value();
-        assert!(error.abs() < 0.01 * internal, "{more}: {error} of {internal}");
+        let end = run_alone(&strip(&[more, "adaptivity.angle=2.0"]), |_| ());
+        assert!(divided(&end) >= 4, "{more}: {}", divided(&end));
+        let error = imbalance(&end);
+        println!("{more}: {error:.1e}");
+        assert!(error.abs() < 0.02, "{more}: {error}");
     }
 }

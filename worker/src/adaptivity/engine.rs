@@ -1,8 +1,8 @@
 //! A check of the whole mesh, and the mesh after it.
 
 use super::division::{self, Formulations};
-use super::hanging;
 use super::marks::marks;
+use super::{hanging, quarters};
 use crate::energy::kinetic_at_mid_step;
 use crate::engine::Engine;
 use crate::math::row::xyz;
@@ -10,8 +10,9 @@ use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{RankLost, Transport, gather_all};
 use std::collections::BTreeSet;
 
-/// Number of steps of the new length before shells are divided. A change of the step is an error of
-/// the energy balance in proportion to the power of unbalanced forces, which a division causes.
+/// Number of steps of the new length before shells are divided, so that the steps before and after
+/// the division are equal. Where they change, the energy balance has an error in proportion to the
+/// power of unbalanced forces, which a division causes.
 const STEPS_BEFORE: u64 = 2;
 
 /// Returns the least value of all workers.
@@ -86,17 +87,17 @@ impl Engine {
         divisions: &[division::Division],
     ) -> Result<(), RankLost> {
         let mut known = self.adaptivity.take().expect("only engines with adaptivity divide");
-        let wanted = division::known_middles(&known, divisions);
+        let wanted = known.known_middles(divisions);
         let numbered = known.number(divisions, self.clock.cycle);
         let is_owned = |id: NodeId| {
             self.nodes.local_index(id).is_some_and(|i| self.nodes.is_owned(i as usize))
         };
         let owned: BTreeSet<NodeId> = wanted.iter().copied().filter(|&id| is_owned(id)).collect();
         let (mut share, kept) = self.take_share(comm)?;
-        division::publish(comm, &mut share, &wanted, |id| owned.contains(&id))?;
+        quarters::publish(comm, &mut share, &wanted, |id| owned.contains(&id))?;
         known.take_back(&mut share.nodes);
         let mut formulations = Formulations::new(&self.settings);
-        division::divide(&mut share, &numbered, &mut formulations);
+        known.divide(&mut share, &numbered, &mut formulations);
         let added = known.add_masses(&numbered);
         for record in &mut share.nodes {
             if let Some([mass, inertia]) = added.get(&record.id) {
@@ -107,7 +108,7 @@ impl Engine {
         known.hang(&hanging::find(comm, &known, &share)?);
         known.give(&mut share.nodes);
         let rotations = self.settings.rotations;
-        self.constraints.ties.replace(|id| known.is_middle(id), known.ties(), rotations);
+        self.constraints.ties.replace(|id| known.has_made(id), known.ties(), rotations);
         for (new, between) in numbered.iter().flat_map(|d| d.made()) {
             self.constraints.walls.inherit(new, &between);
         }

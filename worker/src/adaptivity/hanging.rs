@@ -1,8 +1,8 @@
-//! Hanging nodes: nodes in the middle of a side that belongs to a shell that is not divided. They
-//! are tied to the ends of the side. An end that hangs itself is replaced by the nodes that it
-//! follows.
+//! Hanging nodes: nodes in the middle of a side that belongs to a shell that is not divided, and in
+//! the middle of its halves, and nodes between nodes of one prescribed motion. They are tied to the
+//! nodes between which they lie. One of these that hangs itself is replaced by what it follows.
 
-use super::{Adaptivity, marks};
+use super::{Adaptivity, NewNode, Side, marks, side};
 use crate::constraints::ties::AddedTie;
 use crate::parallel::partition::PartitionData;
 use crumple_proto::ids::NodeId;
@@ -22,17 +22,24 @@ pub(super) fn find(
     share: &PartitionData,
 ) -> Result<BTreeSet<NodeId>, RankLost> {
     let shells = share.elements.iter().filter(|(e, _)| !e.failed && e.shape.is_shell());
-    let sides = shells.flat_map(|(e, _)| sides_of(e.shape, &e.nodes));
-    let own: BTreeSet<NodeId> = sides.filter_map(|s| known.of_sides.get(&s).copied()).collect();
+    let mut open: Vec<Side> = shells.flat_map(|(e, _)| sides_of(e.shape, &e.nodes)).collect();
+    let mut own = BTreeSet::new();
+    while let Some(whole) = open.pop() {
+        if let Some(&middle) = known.of_sides.get(&whole) {
+            own.insert(middle);
+            open.extend(whole.map(|end| side(end, middle)));
+        }
+    }
     let mut all: BTreeSet<NodeId> =
         gather_all(comm, own.into_iter().collect())?.into_iter().flatten().collect();
-    all.extend(known.led.iter().filter_map(|side| known.of_sides.get(side)));
+    let led = known.nodes.iter().filter(|(_, node)| known.are_led(&node.between));
+    all.extend(led.map(|(&id, _)| id));
     Ok(all)
 }
 
-fn sides_of(shape: Shape, nodes: &CornerNodes) -> Vec<super::Side> {
+fn sides_of(shape: Shape, nodes: &CornerNodes) -> Vec<Side> {
     match shape {
-        Shape::Tri3 => (0..3).map(|k| super::side(nodes[k], nodes[(k + 1) % 3])).collect(),
+        Shape::Tri3 => (0..3).map(|k| side(nodes[k], nodes[(k + 1) % 3])).collect(),
         _ => marks::sides(nodes).to_vec(),
     }
 }
@@ -51,10 +58,9 @@ impl Adaptivity {
 
     fn move_masses(&self, records: &mut [NodeRecord], factor: f64) {
         let mut given: BTreeMap<NodeId, Vec<(f64, [f64; 2])>> = BTreeMap::new();
-        let following = || self.middles.iter().filter(|(_, m)| !m.follows.is_empty());
-        for (_, middle) in following() {
-            for &(node, weight) in &middle.follows {
-                given.entry(node).or_default().push((weight, middle.mass));
+        for node in self.nodes.values() {
+            for &(master, weight) in &node.follows {
+                given.entry(master).or_default().push((weight, node.mass));
             }
         }
         for record in records {
@@ -62,8 +68,8 @@ impl Adaptivity {
                 record.mass += factor * weight * mass;
                 record.inertia += factor * weight * inertia;
             }
-            if let Some(middle) = self.middles.get(&record.id).filter(|m| !m.follows.is_empty()) {
-                let own = if factor < 0.0 { middle.mass } else { [0.0; 2] };
+            if let Some(node) = self.nodes.get(&record.id).filter(|n| !n.follows.is_empty()) {
+                let own = if factor < 0.0 { node.mass } else { [0.0; 2] };
                 [record.mass, record.inertia] = own;
             }
         }
@@ -71,10 +77,9 @@ impl Adaptivity {
 
     /// Sets which nodes hang, and what they follow.
     pub(super) fn hang(&mut self, hanging: &BTreeSet<NodeId>) {
-        let weights: Vec<(NodeId, Vec<(NodeId, f64)>)> =
-            self.middles.keys().map(|&id| (id, self.weights(id, hanging))).collect();
-        for (id, follows) in weights {
-            self.middles.get_mut(&id).expect("its own key").follows = follows;
+        let weights: Vec<_> = self.nodes.keys().map(|&id| self.weights(id, hanging)).collect();
+        for (node, follows) in self.nodes.values_mut().zip(weights) {
+            node.follows = follows;
         }
     }
 
@@ -86,8 +91,11 @@ impl Adaptivity {
         let mut sums: BTreeMap<NodeId, f64> = BTreeMap::new();
         let mut open = vec![(id, 1.0)];
         while let Some((node, weight)) = open.pop() {
-            match self.middles.get(&node).filter(|_| hanging.contains(&node)) {
-                Some(middle) => open.extend(middle.side.map(|end| (end, 0.5 * weight))),
+            match self.nodes.get(&node).filter(|_| hanging.contains(&node)) {
+                Some(NewNode { between, .. }) => {
+                    let share = weight / between.len() as f64;
+                    open.extend(between.iter().map(|&end| (end, share)));
+                }
                 None => *sums.entry(node).or_default() += weight,
             }
         }
@@ -96,11 +104,11 @@ impl Adaptivity {
 
     /// Returns the ties of all hanging nodes, ascending.
     pub(super) fn ties(&self) -> Vec<AddedTie> {
-        let hanging = self.middles.iter().filter(|(_, middle)| !middle.follows.is_empty());
-        let tie = |(&node, middle): (&NodeId, &super::Middle)| AddedTie {
+        let hanging = self.nodes.iter().filter(|(_, node)| !node.follows.is_empty());
+        let tie = |(&id, node): (&NodeId, &NewNode)| AddedTie {
             tie: Tie {
-                node,
-                masters: middle.follows.clone(),
+                node: id,
+                masters: node.follows.clone(),
                 near: Vec::new(),
                 faces: Vec::new(),
                 rotations: true,
@@ -108,13 +116,13 @@ impl Adaptivity {
                 mean: false,
                 failure: None,
             },
-            mass: middle.mass,
+            mass: node.mass,
         };
         hanging.map(tie).collect()
     }
 
-    /// Returns true if the node is in the middle of a side.
-    pub(super) fn is_middle(&self, node: NodeId) -> bool {
-        self.middles.contains_key(&node)
+    /// Returns true if a division has made the node.
+    pub(super) fn has_made(&self, node: NodeId) -> bool {
+        self.nodes.contains_key(&node)
     }
 }

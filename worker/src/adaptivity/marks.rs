@@ -1,41 +1,46 @@
-//! Marks of the shells that are divided: the criterion, rings of neighbours, and the rule that no
-//! side has more than one node in its middle.
+//! Marks of the shells that are divided: the criterion, rings of neighbours, and the rule that a
+//! side has one node in its middle, where both shells may be divided.
 
+use super::division::quarter_of_quad;
 use super::{Adaptivity, Side, side};
 use crate::fem::blocks::{Block, Blocks};
-use crate::math::row::xyz;
+use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::{CornerNodes, Shape};
 use crumple_proto::transport::{RankLost, Transport, gather_all};
 use std::collections::{BTreeSet, HashSet};
 
+/// Smallest area of a quarter in the direction of the normal of its shell, over that of the shell.
+/// A quarter of a square has 1/4; at a re-entrant corner of a concave quad it is negative.
+const LEAST_QUARTER: f64 = 0.05;
+
 /// Returns the sides of a four-node shell.
 pub(super) fn sides(nodes: &CornerNodes) -> [Side; 4] {
     std::array::from_fn(|k| side(nodes[k], nodes[(k + 1) % 4]))
 }
 
-/// Returns the plastic bending angle of own element `i` of a block [rad]. With the strain `kappa z`
-/// of bending the outer fibres have the plastic strain `kappa t/2`; so the angle between two sides
-/// at the distance L, `kappa L`, is `2 eps L/t`. Plastic strain that is the same at all points
-/// through the thickness is no bending.
-fn bending_angle(block: &Block, i: usize, x: &[[f64; 3]; 4]) -> f64 {
-    let state = block.state(i);
-    let points = block.element.points(state, x);
-    let strains = || points.iter().map(|p| p.plastic_strain);
-    let (most, least) = (strains().fold(0.0, f64::max), strains().fold(f64::INFINITY, f64::min));
-    let thickness = block.element.fields(state, x).thickness;
-    if most <= least || thickness <= 0.0 {
-        return 0.0;
-    }
-    2.0 * (most - least) * area(x).sqrt() / thickness
+/// Returns half the product of the diagonals: a vector along the normal [length^2].
+fn area(x: &[[f64; 3]; 4]) -> V3 {
+    let across = |a: usize, b: usize| V3::from(x[b]) - V3::from(x[a]);
+    across(0, 2).cross(&across(1, 3)) * 0.5
 }
 
-/// Returns half the size of the product of the diagonals [length^2].
-fn area(x: &[[f64; 3]; 4]) -> f64 {
-    let across = |a: usize, b: usize| [0, 1, 2].map(|c| x[b][c] - x[a][c]);
-    let [p, q] = [across(0, 2), across(1, 3)].map(nalgebra::Vector3::from);
-    0.5 * p.cross(&q).norm()
+/// Returns true if the quarters of a quad have its normal and are not too small.
+fn has_sound_quarters(x: &[[f64; 3]; 4]) -> bool {
+    let whole = area(x);
+    let share = |corner| area(&quarter_of_quad(x, corner)).dot(&whole) / whole.norm_squared();
+    (0..4).all(|corner| share(corner) > LEAST_QUARTER)
+}
+
+/// Returns the plastic bending angle of own element `i` of a block with the area A [rad]. With the
+/// strain `kappa z` of bending the outer fibres have the plastic strain `kappa t/2`; so the angle
+/// between two sides at the distance L, `kappa L`, is `2 eps L/t`, with `L = sqrt(A)`.
+fn bending_angle(block: &Block, i: usize, x: &[[f64; 3]; 4]) -> f64 {
+    let state = block.state(i);
+    let strain = block.element.plastic_bending_strain(state);
+    let thickness = block.element.fields(state, x).thickness;
+    if thickness > 0.0 { 2.0 * strain * area(x).norm().sqrt() / thickness } else { 0.0 }
 }
 
 /// Returns the own elements that are divided now, as indices into [`Blocks::elements`]. All workers
@@ -49,13 +54,7 @@ pub(super) fn marks(
     blocks: &Blocks,
     nodes: &Nodes,
 ) -> Result<BTreeSet<usize>, RankLost> {
-    let open: Vec<usize> = (0..blocks.elements.len())
-        .filter(|&i| {
-            let r = &blocks.elements[i].record;
-            r.shape == Shape::Quad4 && !r.failed && known.may_divide(r.part, r.id)
-        })
-        .collect();
-    let mut marked = bent(known, blocks, nodes, &open);
+    let (open, mut marked) = open_and_bent(known, blocks, nodes);
     for _ in 0..known.settings.rings {
         let corners = |&i: &usize| blocks.elements[i].record.nodes;
         let around: BTreeSet<NodeId> = marked.iter().flat_map(corners).collect();
@@ -81,17 +80,47 @@ pub(super) fn marks(
     }
 }
 
-/// Returns the open elements whose plastic bending angle has reached its limit.
-fn bent(known: &Adaptivity, blocks: &Blocks, nodes: &Nodes, open: &[usize]) -> BTreeSet<usize> {
-    let open: HashSet<usize> = open.iter().copied().collect();
-    let of_block = |b: &'_ Block| -> Vec<usize> {
-        let is_bent = |&i: &usize| {
-            let corners = blocks.elements[b.first + i].nodes;
-            let x = std::array::from_fn(|c| xyz(&nodes.x[corners[c] as usize]));
-            bending_angle(b, i, &x) >= known.settings.angle
-        };
-        let own = (0..b.count).filter(|i| open.contains(&(b.first + i)));
-        own.filter(is_bent).map(|i| b.first + i).collect()
-    };
-    blocks.blocks.iter().flat_map(of_block).collect()
+/// Returns the elements that may be divided, ascending, and those of them whose plastic bending
+/// angle has reached its limit.
+fn open_and_bent(
+    known: &Adaptivity,
+    blocks: &Blocks,
+    nodes: &Nodes,
+) -> (Vec<usize>, BTreeSet<usize>) {
+    let (mut open, mut bent) = (Vec::new(), BTreeSet::new());
+    for b in &blocks.blocks {
+        for i in 0..b.count {
+            let e = &blocks.elements[b.first + i];
+            let (r, state) = (&e.record, b.state(i));
+            let may = r.shape == Shape::Quad4 && known.may_divide(r.part, r.id);
+            if !may || r.failed || b.element.can_fail() && b.element.failed(state) {
+                continue;
+            }
+            let x = std::array::from_fn(|c| xyz(&nodes.x[e.nodes[c] as usize]));
+            if !has_sound_quarters(&x) {
+                continue;
+            }
+            open.push(b.first + i);
+            if bending_angle(b, i, &x) >= known.settings.angle {
+                bent.insert(b.first + i);
+            }
+        }
+    }
+    (open, bent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn concave_quads_are_not_divided() {
+        let quad = |x: f64| [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [x, x, 0.0], [0.0, 1.0, 0.0]];
+        assert!(has_sound_quarters(&quad(1.0)) && has_sound_quarters(&quad(0.7)));
+        assert!(
+            !has_sound_quarters(&quad(0.2)),
+            "the quarter at the re-entrant corner is inverted"
+        );
+        assert!(!has_sound_quarters(&quad(0.0)), "without area");
+    }
 }

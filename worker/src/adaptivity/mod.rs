@@ -2,21 +2,21 @@
 //!
 //! At each check, on all workers together:
 //! 1. `marks.rs`: shells whose plastic bending angle has reached its limit are marked, then their
-//!    neighbours. A marked shell next to a larger one marks it too, so that no side has more than
-//!    one node in its middle.
+//!    neighbours. A marked shell next to a larger one marks it too, if that may be divided.
 //! 2. `division.rs`: every worker learns all divisions, sorted by element, and gives new nodes and
-//!    elements the same ids. The worker that owns a divided shell makes its quarters, with the
-//!    history of the shell, and the new nodes. Pair histories go over to the quarters.
+//!    elements the same ids. `quarters.rs`: the worker that owns a divided shell makes its
+//!    quarters, with the history of the shell, and the new nodes. `pair_histories.rs`: the
+//!    histories of contact pairs go over to the quarters.
 //! 3. `hanging.rs`: a node in the middle of a side whose other shell is not divided is tied to the
 //!    ends of the side.
 //! 4. `engine.rs`: the local mesh is built again, and the step becomes shorter if a quarter needs
 //!    it.
 //!
 //! A new node in the middle of a side has the mean position and the mean velocities of the ends, a
-//! node in the centre those of the four corners. The surface and the linear momentum stay as they
-//! are; the kinetic energy of velocity differences within the divided shells is lost and counts as
-//! work of external forces. Forces that only stabilise an element begin at zero. Nothing is made
-//! coarse again.
+//! node in the centre those of the four corners. So the surface stays as it is, and so does the
+//! linear momentum if opposite sides of the divided shells are equal. The kinetic energy of
+//! velocity differences within the divided shells is lost and counts as work of external forces.
+//! Forces that only stabilise an element begin at zero. Nothing is made coarse again.
 //!
 //! The mesh after some checks does not depend on the number of workers: all lists are sorted by
 //! global ids before they are numbered or summed.
@@ -25,15 +25,19 @@ mod division;
 mod engine;
 mod hanging;
 mod marks;
+mod pair_histories;
+mod quarters;
 
 use crumple_proto::adaptivity::AdaptivitySettings;
 use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::partition::{NodeRecord, Settings};
+use crumple_proto::report::DivisionCounts;
 use division::NumberedDivision;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Side of a shell: its nodes, the lower id first.
-pub type Side = [NodeId; 2];
+type Side = [NodeId; 2];
 
 /// Returns the side between two nodes.
 fn side(a: NodeId, b: NodeId) -> Side {
@@ -45,8 +49,8 @@ fn side(a: NodeId, b: NodeId) -> Side {
 pub struct Adaptivity {
     #[serde(skip)]
     settings: AdaptivitySettings,
-    /// Number of checks so far.
-    checks: u64,
+    /// Time of the next check [time].
+    next_check: f64,
     /// True if the step is short enough for the divisions of the next check, and the cycle until
     /// which that waits.
     ready: bool,
@@ -54,36 +58,59 @@ pub struct Adaptivity {
     /// All divisions, in their order, and the sum of the cycles after which they took place.
     divisions: Vec<NumberedDivision>,
     cycles: u64,
-    /// Number of nodes made so far.
-    made: u64,
     /// How often the elements that are quarters were divided.
     levels: BTreeMap<ElemId, u32>,
-    /// Nodes in the middle of sides, with the mass and the rotational inertia that elements have
-    /// there [mass], [mass length^2].
-    middles: BTreeMap<NodeId, Middle>,
-    /// The same nodes by side.
+    /// All new nodes.
+    nodes: BTreeMap<NodeId, NewNode>,
+    /// Those in the middle of sides, by side.
     of_sides: BTreeMap<Side, NodeId>,
-    /// Sides with ends of one prescribed motion.
-    led: BTreeSet<Side>,
+    /// Nodes of each prescribed motion, new ones too, and its degrees of freedom.
+    #[serde(skip)]
+    led: Vec<(BTreeSet<NodeId>, u64)>,
 }
 
-/// Node in the middle of a side.
+/// A node that a division has made.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Middle {
-    side: Side,
+struct NewNode {
+    /// The ends of its side, or the corners of its shell.
+    between: Vec<NodeId>,
+    /// Mass and rotational inertia that elements have there [mass], [mass length^2].
     mass: [f64; 2],
     /// The nodes that it follows, with their weights; empty if it is free.
     follows: Vec<(NodeId, f64)>,
 }
 
 impl Adaptivity {
-    /// Returns the state at the start.
-    pub fn new(settings: &AdaptivitySettings) -> Self {
-        Self {
-            led: settings.led.iter().copied().collect(),
-            settings: settings.clone(),
-            ..Self::default()
+    /// Returns the state at the start of a job with adaptivity.
+    pub fn new(settings: &Settings) -> Option<Self> {
+        let begin = settings.adaptivity.as_ref()?.window[0];
+        Self { next_check: begin, ..Self::default() }.with_settings(settings)
+    }
+
+    /// Sets what the job says, after the state was read; `None` if the job has no adaptivity.
+    pub fn with_settings(self, settings: &Settings) -> Option<Self> {
+        let motions = &settings.loads.motions;
+        let led = motions.iter().map(|m| (m.nodes.iter().copied().collect(), m.dofs)).collect();
+        let mut all = Self { settings: settings.adaptivity.clone()?, led, ..self };
+        for (new, between) in all.divisions.iter().flat_map(NumberedDivision::made) {
+            lead(&mut all.led, new, &between);
         }
+        Some(all)
+    }
+
+    /// Checks that the state can be that after a cycle.
+    ///
+    /// # Errors
+    /// It cannot: the reason.
+    pub fn validate(&self, cycle: u64) -> Result<(), String> {
+        let follows = |node: &NewNode| node.follows.iter().all(|(_, w)| *w > 0.0 && *w <= 1.0);
+        if self.cycles > self.divided() * cycle
+            || !self.next_check.is_finite()
+            || !self.nodes.values().all(|node| !node.between.is_empty() && follows(node))
+        {
+            return Err("its divisions of shells are impossible".into());
+        }
+        Ok(())
     }
 
     /// Returns the number of elements divided so far.
@@ -91,32 +118,30 @@ impl Adaptivity {
         self.divisions.len() as u64
     }
 
-    /// Returns the number of elements divided so far, and the number of element computations that
-    /// their quarters have added until the end of a cycle.
-    pub fn counts(&self, cycle: u64) -> [u64; 2] {
-        [self.divided(), 3 * (self.divided() * cycle - self.cycles)]
+    /// Returns the number of divisions, and that of the element computations that their quarters
+    /// have added until the end of a cycle.
+    pub fn counts(&self, cycle: u64) -> DivisionCounts {
+        let divided = self.divided();
+        DivisionCounts { divided, computed: 3 * (divided * cycle - self.cycles) }
     }
 
-    /// Sets what the job says, after the state was read.
-    pub fn with_settings(self, settings: &AdaptivitySettings) -> Self {
-        Self { settings: settings.clone(), ..self }
-    }
-
-    /// Returns the nodes that hang, each with the ends of its side.
-    pub fn hanging(&self) -> impl Iterator<Item = (NodeId, Side)> + '_ {
-        let hanging = self.middles.iter().filter(|(_, middle)| !middle.follows.is_empty());
-        hanging.map(|(&node, middle)| (node, middle.side))
+    /// Returns the nodes that hang, each with the nodes between which it lies.
+    pub fn hanging(&self) -> impl Iterator<Item = (NodeId, &[NodeId])> + '_ {
+        let hanging = self.nodes.iter().filter(|(_, node)| !node.follows.is_empty());
+        hanging.map(|(&id, node)| (id, &node.between[..]))
     }
 
     /// Returns true if a check is due at this time.
     fn is_due(&self, time: f64) -> bool {
-        time >= self.settings.time_of(self.checks) && time <= self.settings.window[1]
+        time >= self.next_check && time <= self.settings.window[1]
     }
 
     /// Counts the checks that are due at this time as one that is done.
     fn pass(&mut self, time: f64) {
-        while self.is_due(time) {
-            self.checks += 1;
+        let interval = self.settings.interval;
+        self.next_check += interval * ((time - self.next_check) / interval).floor();
+        if self.next_check <= time {
+            self.next_check += interval;
         }
     }
 
@@ -133,10 +158,30 @@ impl Adaptivity {
 
     /// Returns the side of which this one is a half, if there is one.
     fn whole_side(&self, [a, b]: Side) -> Option<Side> {
-        let halves = [(a, b), (b, a)];
-        let of = |(middle, end): (NodeId, NodeId)| {
-            self.middles.get(&middle).map(|m| m.side).filter(|side| side.contains(&end))
+        let of = |(middle, end): (NodeId, NodeId)| match self.nodes.get(&middle)?.between[..] {
+            [p, q] if end == p || end == q => Some([p, q]),
+            _ => None,
         };
-        halves.into_iter().find_map(of)
+        [(a, b), (b, a)].into_iter().find_map(of)
+    }
+
+    /// Returns true if one prescribed motion has all these nodes.
+    fn are_led(&self, between: &[NodeId]) -> bool {
+        self.led.iter().any(|(nodes, _)| between.iter().all(|id| nodes.contains(id)))
+    }
+
+    /// Returns the degrees of freedom of a node that are fixed, without the prescribed ones.
+    fn held(&self, node: &NodeRecord) -> u64 {
+        let of_node = self.led.iter().filter(|(nodes, _)| nodes.contains(&node.id));
+        node.fixed & !of_node.fold(0, |all, (_, dofs)| all | dofs)
+    }
+}
+
+/// Adds a new node to the motions that all nodes have between which it lies.
+fn lead(led: &mut [(BTreeSet<NodeId>, u64)], new: NodeId, between: &[NodeId]) {
+    for (nodes, _) in led {
+        if between.iter().all(|id| nodes.contains(id)) {
+            nodes.insert(new);
+        }
     }
 }

@@ -105,9 +105,10 @@ impl<'a> Fit<'a> {
     pub fn add_common(&mut self, words: &[u64], captured: &Captured) -> Result<(), String> {
         let common = read_common(words, captured)?;
         common.validate(self.settings)?;
-        if let Some(adaptivity) = common.adaptivity.filter(|a| a.divided() > 0) {
+        let adaptivity = common.adaptivity.and_then(|a| a.with_settings(self.settings));
+        if let Some(adaptivity) = adaptivity.filter(|a| a.divided() > 0) {
             let before = self.elements.len();
-            adaptivity.divide_at_start(self.elements.to_mut(), self.nodes.to_mut());
+            adaptivity.divide_at_start(self.elements.to_mut(), self.nodes.to_mut())?;
             self.added = self.elements.len() - before;
         }
         Ok(())

@@ -66,6 +66,7 @@ impl CommonState {
                 return Err("only one of it and the job has adaptivity".into());
             }
             Some(adaptivity) => {
+                adaptivity.validate(self.clock.cycle)?;
                 let mut settings = settings.clone();
                 adaptivity.extend(&mut settings);
                 self.constraints.validate(&settings)?;
@@ -257,8 +258,7 @@ impl Engine {
         (common, own): (CommonState, WorkerState),
     ) -> Result<Self, RankLost> {
         common.constraints.settle(&mut settings);
-        let adaptivity = common.adaptivity.zip(settings.adaptivity.clone());
-        let adaptivity = adaptivity.map(|(state, job)| state.with_settings(&job));
+        let adaptivity = common.adaptivity.and_then(|state| state.with_settings(&settings));
         if let Some(adaptivity) = &adaptivity {
             adaptivity.extend(&mut settings);
         }

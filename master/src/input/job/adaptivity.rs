@@ -4,7 +4,7 @@ use super::resolve::NumberChecks;
 use super::validate::JobProblems;
 use crumple_proto::adaptivity::AdaptivitySettings;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{AdaptivityInput, Job};
+use crumple_proto::job::{AdaptivityInput, Job, Part};
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
@@ -13,6 +13,8 @@ use std::collections::{BTreeSet, HashSet};
 
 /// Largest numbers of levels and of rings. A shell of level 4 has 1/256 of the area.
 const MOST: u32 = 4;
+/// Largest number of checks in a run.
+const MOST_CHECKS: f64 = 1e6;
 /// Number of checks in a run, if the job has no interval.
 const CHECKS: f64 = 100.0;
 
@@ -22,7 +24,13 @@ pub fn check(given: &AdaptivityInput, job: &Job, numbers: &mut NumberChecks<'_>)
         numbers.need(right, &format!("adaptivity.{key}"), value, wanted);
     };
     need(given.angle > 0.0, "angle", given.angle, "above 0 degrees; 5 is usual");
-    need(given.interval >= 0.0, "interval", given.interval, "0 (a hundredth of the run) or above");
+    let least = job.end_time / MOST_CHECKS;
+    need(
+        given.interval == 0.0 || given.interval >= least,
+        "interval",
+        given.interval,
+        "0 (a hundredth of the run), or at least a millionth of the run",
+    );
     need(given.begin >= 0.0, "begin", given.begin, "a time, 0 or above");
     if let Some(end) = given.end {
         need(end > given.begin, "end", end, "after `begin`");
@@ -48,10 +56,11 @@ pub fn check(given: &AdaptivityInput, job: &Job, numbers: &mut NumberChecks<'_>)
             numbers.findings.add(Problem::error(format!("output.{key}"), message, help));
         }
     }
-    if !job.restart.delete.is_empty() {
-        let message = "parts cannot be deleted from a run with adaptivity";
-        let help = "remove `delete`, or continue from a run without [adaptivity]";
-        numbers.findings.add(Problem::error("restart.delete", message, help));
+    let changed = [("delete", &job.restart.delete), ("rigid", &job.restart.rigid)];
+    for (key, _) in changed.into_iter().filter(|(_, parts)| !parts.is_empty()) {
+        let message = "the parts of a run with adaptivity cannot be deleted or made rigid";
+        let help = "remove it, or continue from a run without [adaptivity]";
+        numbers.findings.add(Problem::error(format!("restart.{key}"), message, help));
     }
     if job.time.mass_scaling_dt > 0.0 {
         let message = "quarters of divided shells keep the factor of mass scaling of the shell, \
@@ -89,7 +98,10 @@ pub fn resolve(
     if let Some((what, help)) = conflict(job) {
         let message = format!("no shell is divided: adaptivity does not work with {what}");
         let help = format!("{help}, or remove [adaptivity]");
-        findings.add(Problem::warning("adaptivity", message, help));
+        // The deck may be the one that asks for it; other programs leave it out too.
+        let of_deck = job.mesh.deck.is_some();
+        let report = if of_deck { Problem::warning } else { Problem::error };
+        findings.add(report("adaptivity", message, help));
         return None;
     }
     let parts = parts(given, mesh, settings, findings);
@@ -102,7 +114,8 @@ pub fn resolve(
     let kept: BTreeSet<ElemId> = open.iter().filter(|e| kept.has(e)).map(|e| e.id).collect();
     if kept.len() == open.len() {
         let message = "no shell may be divided: all are rigid, loaded by pressure, tied, recorded \
-                       as a section, or share nodes with other kinds of elements or with bodies";
+                       as a section or by a transducer, or share nodes with solids, beams, \
+                       springs or bodies";
         findings.add(Problem::warning("adaptivity", message, "remove [adaptivity]"));
     }
     let first = (
@@ -111,27 +124,25 @@ pub fn resolve(
     );
     // All shells divided as often as possible.
     let most = open.len() as u64 * 4_u64.pow(given.levels) * 2;
-    let first = match first {
-        (Some(element), Some(node)) if element.has_room(most) && node.has_room(most) => {
-            (element, node)
-        }
-        _ => {
-            let message = "there are no numbers left for new elements and nodes";
-            findings.add(Problem::error("adaptivity", message, "give the mesh smaller numbers"));
-            return None;
-        }
+    let (Some(first_element), Some(first_node)) = (
+        first.0.filter(|element| element.has_room(most)),
+        first.1.filter(|node| node.has_room(most)),
+    ) else {
+        let message = "there are no numbers left for new elements and nodes";
+        findings.add(Problem::error("adaptivity", message, "give the mesh smaller numbers"));
+        return None;
     };
     let whole = |given: f64, default: f64| if given > 0.0 { given } else { default };
     Some(AdaptivitySettings {
-        led: led(settings, &open),
         kept: kept.into_iter().collect(),
         parts: parts.into_iter().collect(),
         angle: given.angle.to_radians(),
         rings: given.rings,
         levels: given.levels,
-        window: [given.begin, given.end.unwrap_or(job.end_time)],
+        window: [given.begin, given.end.unwrap_or(f64::INFINITY)],
         interval: whole(given.interval, job.end_time / CHECKS),
-        first,
+        first_element,
+        first_node,
     })
 }
 
@@ -150,15 +161,23 @@ fn parts(
         if !with_quads.contains(&id) {
             let message = format!("part {} has no four-node shells", part.label());
             findings.add(Problem::warning(path, message, "remove it from the list"));
-        } else if points_of(part) == 1 {
-            let message =
-                format!("part {} has one point through the thickness and no bending", part.label());
-            findings.add(Problem::warning(path, message, "give it more `points`, or remove it"));
         }
     }
     let is_named = |id: u32| given.parts.is_empty() || given.parts.contains(&id);
     let all = (0..).zip(&settings.parts);
-    all.filter(|(_, p)| is_named(p.id) && with_quads.contains(&p.id)).map(|(i, _)| i).collect()
+    let named: Vec<(u32, &Part)> =
+        all.filter(|(_, p)| is_named(p.id) && with_quads.contains(&p.id)).collect();
+    for (_, part) in &named {
+        let what = match points_of(part) {
+            1 => "one point through the thickness and no bending",
+            2 => "two points through the thickness: all plastic strain counts as bending",
+            _ => continue,
+        };
+        let message = format!("part {} has {what}", part.label());
+        let help = "give it three or more `points`, or other parts to [adaptivity]";
+        findings.add(Problem::warning("adaptivity", message, help));
+    }
+    named.into_iter().map(|(i, _)| i).collect()
 }
 
 /// Nodes, elements and parts that keep shells from being divided.
@@ -181,6 +200,12 @@ impl Fixed {
         let mut elements: HashSet<ElemId> =
             settings.ties.iter().flat_map(|tie| &tie.faces).copied().collect();
         elements.extend(settings.histories.sections.iter().flat_map(|s| &s.elements));
+        let surfaces = settings.histories.transducers.iter().flat_map(|t| [&t.on, &t.from]);
+        for set in surfaces.filter_map(|surface| surface.nodes.as_ref()) {
+            let has = |n: &NodeId| set.binary_search(n).is_ok();
+            let on = mesh.elements.iter().filter(|e| e.corners().iter().all(has));
+            elements.extend(on.map(|e| e.id));
+        }
         elements.extend(settings.loads.pressures.iter().flat_map(|p| &p.faces).map(|f| f.0));
         elements.extend(settings.loads.airbags.iter().flat_map(|b| &b.faces).map(|f| f.element));
         let ids = of_rigid.chain(skins).map(|i| settings.parts[i as usize].id);
@@ -192,22 +217,4 @@ impl Fixed {
             || self.elements.contains(&e.id)
             || e.corners().iter().any(|n| self.nodes.contains(n))
     }
-}
-
-/// Returns the sides of shells whose ends have one prescribed motion.
-fn led(settings: &Settings, open: &[&MeshElement]) -> Vec<[NodeId; 2]> {
-    let mut sides = BTreeSet::new();
-    for motion in &settings.loads.motions {
-        let has = |n: &NodeId| motion.nodes.binary_search(n).is_ok();
-        for e in open {
-            let corners = e.corners();
-            for k in 0..corners.len() {
-                let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
-                if has(&a) && has(&b) {
-                    sides.insert(if a < b { [a, b] } else { [b, a] });
-                }
-            }
-        }
-    }
-    sides.into_iter().collect()
 }

@@ -58,7 +58,7 @@ impl Control<'_> {
         let end = closings[0].clone();
         let (status, reason) = self.ending(&end);
         let count: usize = self.outline.elements.values().sum();
-        let computed = count as u64 * end.cycles + end.divided[1];
+        let computed = count as u64 * end.cycles + end.divisions.computed;
         let (job, balance) = (&self.model.job, &self.balance);
         Summary {
             title: job.title.clone(),
@@ -94,8 +94,8 @@ impl Control<'_> {
             walls: job.wall.clone(),
             elements: self.outline.elements.clone(),
             adaptivity: job.adaptivity.as_ref().map(|_| summary::AdaptivitySummary {
-                divided: end.divided[0],
-                elements: count as u64 + 3 * end.divided[0],
+                divided: end.divisions.divided,
+                elements: count as u64 + 3 * end.divisions.divided,
                 nodes: self.states.len(),
             }),
             restarts: self.restarts.clone(),

@@ -303,3 +303,35 @@ fn lanes_are_the_scalar_kernel() {
     assert!(plastic[0] == 0.0 && plastic[3] > 0.0, "elastic and plastic lanes: {plastic:?}");
     assert!(!fields[0].failed && fields[3].failed, "intact and failed lanes");
 }
+
+/// Each quarter of a divided shell has the stress of the point next to its corner. With
+/// `u = (x y, 2 x y)` and no Poisson's ratio the stress is E (y, 2 x); it is that of the side of
+/// the corner.
+#[test]
+fn quarters_have_the_stress_of_the_point_next_to_their_corner() {
+    let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    let mut patch = quad(0.1, elastic(E, 0.0, 1.0), &corners);
+    for (v, [x, y, _]) in patch.v.iter_mut().zip(corners) {
+        (v[0], v[1]) = (SMALL * x * y, 2.0 * SMALL * x * y);
+    }
+    patch.forces(1.0);
+    let whole = patch.history.element(0).to_vec();
+    let names = patch.element.names();
+    let column = |name: &str| names.iter().position(|n| n == name).expect("a column");
+    for (corner, [x, y, _]) in corners.into_iter().enumerate() {
+        // The quarter is the shell of half the size.
+        let small = corners.map(|c| c.map(|v| 0.5 * v));
+        let quarter = patch.element.quarter(&whole, corner, &small, OwnSection::default());
+        let quarter = quarter.expect("quads can be divided");
+        for point in 0..4 {
+            let stress = |axis: &str| quarter[column(&format!("point {point}.0 stress {axis}"))];
+            let wanted = [y, 2.0 * x].map(|side| E * SMALL * side / 3.0_f64.sqrt());
+            for (found, wanted) in [stress("xx"), stress("yy")].into_iter().zip(wanted) {
+                assert_close(found, wanted, 1e-6 * E * SMALL, "one point at 1/sqrt(3)");
+            }
+        }
+        let volumes = ["volume at start", "inertia"].map(|n| column(&format!("point 0 {n}")));
+        assert_close(quarter[volumes[0]], 0.1, 1e-15, "that of its own area 1");
+        assert!(quarter[volumes[1]] < whole[volumes[1]], "its own inertia");
+    }
+}

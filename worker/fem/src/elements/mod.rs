@@ -157,6 +157,12 @@ pub trait Element: Send + Sync {
         None
     }
 
+    /// Returns the effective plastic strain of bending at the outer fibres of a shell; 0 for all
+    /// other elements.
+    fn plastic_bending_strain(&self, _history: ElementState<'_>) -> f64 {
+        0.0
+    }
+
     /// Orients a new beam with this history: its second axis points towards the vector `towards`.
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
 

@@ -150,6 +150,10 @@ impl<F: Formulation> Element for Shell<F> {
         Some(quarter)
     }
 
+    fn plastic_bending_strain(&self, history: ElementState<'_>) -> f64 {
+        self.section().plastic_bending_strain(history)
+    }
+
     fn corner_mass(&self, x: &[[f64; 3]], own: OwnSection) -> (f64, f64) {
         self.0.corner_mass(four(x), own)
     }

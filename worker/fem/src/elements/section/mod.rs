@@ -62,7 +62,7 @@ const SHEAR: usize = 3;
 const POINTS: usize = 5;
 /// The number of the point next to each corner, of four points in the plane in the order of
 /// `fully_integrated_quad.rs`.
-const POINT_AT_CORNER: [usize; 4] = [1, 2, 0, 3];
+const POINT_AT_CORNER: [usize; 4] = [1, 3, 0, 2];
 /// Section of a part: material and points through the thickness.
 pub struct Section {
     law: Box<dyn PlaneStress>,
@@ -344,6 +344,28 @@ impl Section {
             let (plane, layer) = (k / self.points, k % self.points);
             history[plane * self.each() + POINTS + layer * self.stride + size] = area.sqrt();
         }
+    }
+
+    /// Returns the effective plastic strain of bending at the outer fibres, the largest of the
+    /// points in the plane: the difference over the thickness, extrapolated from the points. With two
+    /// points, which have the same distance from the middle, all plastic strain counts.
+    pub fn plastic_bending_strain(&self, history: ElementState<'_>) -> f64 {
+        let Some(strain) = self.plastic_strain else { return 0.0 };
+        let of_plane = |plane: usize| {
+            let base = plane * self.each() + POINTS + strain;
+            let points =
+                (0..self.points).map(|k| (self.zeta[k].abs(), history.at(base + k * self.stride)));
+            let all = [f64::INFINITY, 0.0_f64];
+            let widen = |[low, high]: [f64; 2], v: f64| [low.min(v), high.max(v)];
+            let [inner, outer] = points.clone().fold(all, |range, (z, _)| widen(range, z));
+            let [least, most] = points.fold(all, |range, (_, eps)| widen(range, eps));
+            match outer - inner > 0.1 {
+                true => (most - least) / (outer - inner),
+                false if outer > 0.0 => most / outer,
+                false => 0.0,
+            }
+        };
+        (0..self.planar).map(of_plane).fold(0.0, f64::max)
     }
 
     /// Copies to the new history of a quarter of an element, at one of its corners, what its points

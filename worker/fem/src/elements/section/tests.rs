@@ -1,7 +1,7 @@
 use super::*;
 use crate::elements::testing;
 use crate::materials::{self, LayerPoint};
-use crumple_proto::job::LayerInput;
+use crumple_proto::job::{LayerInput, Setting};
 use crumple_proto::partition::Param;
 use nalgebra::{Matrix3, Vector3};
 
@@ -123,5 +123,38 @@ fn layers_have_the_stiffness_of_laminate_theory() {
         for (got, wanted) in got.iter().zip(&wanted) {
             assert!((got - wanted).abs() < 1e-12, "{got}, not {wanted}");
         }
+    }
+}
+
+/// Plastic strain `eps |zeta|` of bending is eps at the outer fibres with any number of points;
+/// strain of the membrane does not count, except with two points.
+#[test]
+fn plastic_strain_of_bending_is_that_of_the_outer_fibres() {
+    let numbers = [("youngs_modulus", 210.0), ("poisson", 0.3), ("yield_stress", 0.2)];
+    let steel = testing::material("j2", 1.0, &numbers);
+    for points in 1..=MAX_POINTS {
+        let mut part = testing::part(1.0);
+        part.parameters.insert("points".into(), Setting::Whole(points as i64));
+        let row = crate::elements::formulation(&part, crumple_proto::mesh::Shape::Quad4).unwrap();
+        let law = materials::build(&steel).unwrap();
+        let section = Section::new(&part, &row.values(&part), law).unwrap();
+        let strain = section.plastic_strain.expect("a plastic law");
+        let of = |bending: f64, membrane: f64| {
+            let mut history = crate::columns::HistoryColumns::new(
+                crumple_proto::job::Precision::Double,
+                1,
+                section.columns(),
+            );
+            let mut state = vec![0.0; section.columns()];
+            for k in 0..points {
+                state[POINTS + k * section.stride + strain] =
+                    membrane + bending * section.zeta[k].abs();
+            }
+            history.set(0, &state);
+            section.plastic_bending_strain(history.element(0))
+        };
+        let wanted = if points == 1 { 0.0 } else { 0.02 };
+        assert!((of(0.02, 0.0) - wanted).abs() < 1e-14, "{points} points: {}", of(0.02, 0.0));
+        assert_eq!(of(0.0, 0.03) > 0.0, points == 2, "{points} points");
     }
 }
