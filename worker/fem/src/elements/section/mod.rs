@@ -347,8 +347,8 @@ impl Section {
     }
 
     /// Returns the effective plastic strain of bending at the outer fibres, the largest of the
-    /// points in the plane: the difference over the thickness, extrapolated from the points. With two
-    /// points, which have the same distance from the middle, all plastic strain counts.
+    /// points in the plane: the difference over the thickness, extrapolated from the points. With
+    /// two points, which have the same distance from the middle, all plastic strain counts.
     pub fn plastic_bending_strain(&self, history: ElementState<'_>) -> f64 {
         let Some(strain) = self.plastic_strain else { return 0.0 };
         let of_plane = |plane: usize| {
