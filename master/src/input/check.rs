@@ -278,8 +278,8 @@ fn steps(model: &Model, out: &mut String) -> std::fmt::Result {
         let quads = elements.filter(|(e, part)| e.shape == Shape::Quad4 && may(part)).count();
         writeln!(
             out,
-            "adaptivity   {} of {} elements may be divided, {} times, from {} degrees on; the step \
-             becomes shorter with them",
+            "adaptivity   {} of {} elements may be divided, levels {}, from {} degrees on; each \
+             level halves the step",
             quads - adaptivity.kept.len(),
             model.mesh.elements.len(),
             adaptivity.levels,

@@ -27,16 +27,14 @@ const TUBE: [&str; 5] = [
 #[test]
 fn divided_shells_give_the_same_bits_on_any_workers() {
     let rcb = "parallel.contact=\"rcb\"";
-    for (name, sets, cycles) in [("tumble", &TUMBLE[..], 1500), ("tube-crush", &TUBE[..], 2500)] {
+    for (name, sets, cycles) in [("tumble", &TUMBLE[..], 1000), ("tube-crush", &TUBE[..], 1800)] {
         let model = |more: &[&str]| read(&case(name), &[sets, more].concat());
         let serial = run_side_by_side(&model(&[]), 1, cycles, 0);
         let (before, after) = (model(&[]).mesh.nodes.len(), serial.nodes.len());
         assert!(after > 2 * before, "{name}: {before} nodes became {after}");
         let touching = serial.pairs.iter().filter(|pairs| pairs.len() > 10).count();
         assert!(name != "tumble" || touching > 100, "contact in {touching} cycles");
-        for (workers, force_every, more) in
-            [(2, 0, &[][..]), (3, 7, &[]), (5, 0, &[]), (3, 0, &[rcb])]
-        {
+        for (workers, force_every, more) in [(2, 0, &[][..]), (5, 11, &[]), (3, 0, &[rcb])] {
             let parallel = run_side_by_side(&model(more), workers, cycles, force_every);
             let what = format!("{name}: {workers} workers, {more:?}");
             for (cycle, (a, b)) in serial.pairs.iter().zip(&parallel.pairs).enumerate() {
@@ -149,7 +147,7 @@ fn a_division_keeps_mass_and_energy_and_opens_no_cracks() {
     for (more, most) in [
         (&["adaptivity.levels=1"][..], 20),
         (&["adaptivity.levels=2", "adaptivity.angle=1.0"], 80),
-        (&["adaptivity.levels=3", "adaptivity.parts=[1]", "adaptivity.angle=1.0"], 300),
+        (&["adaptivity.levels=3", "adaptivity.parts=[1]", "adaptivity.angle=2.0"], 300),
         (&["adaptivity.levels=2", "adaptivity.parts=[2]", "adaptivity.rings=1"], 80),
     ] {
         let model = strip(more);
@@ -158,7 +156,7 @@ fn a_division_keeps_mass_and_energy_and_opens_no_cracks() {
         let end = run_alone(&model, |e| {
             let first = *first.get_or_insert(mass(e));
             assert!((mass(e) / first - 1.0).abs() < 1e-12, "{} of {first}", mass(e));
-            if divided(e) != before || e.clock.cycle.is_multiple_of(100) {
+            if divided(e) != before || e.clock.cycle.is_multiple_of(500) {
                 before = divided(e);
                 // Positions are sums of steps: round-off.
                 let gap = largest_gap(e);
