@@ -110,10 +110,19 @@ impl DeckConverter {
 
     /// Converts `*CONTROL_ADAPTIVE`, for the parts that have been converted.
     pub(super) fn adaptivity(&mut self) {
-        for record in self.take_one("CONTROL_ADAPTIVE") {
+        let records = self.take_one("CONTROL_ADAPTIVE");
+        let (parts, others): (Vec<_>, Vec<_>) = std::mem::take(&mut self.adaptive)
+            .into_iter()
+            .partition(|(_, (value, _))| *value == 1 && !records.is_empty());
+        for (id, (value, place)) in others {
+            let message = format!("*PART: `adpopt` = {value} of part {id} is ignored");
+            let help = "1 with *CONTROL_ADAPTIVE divides the shells of a part where they bend";
+            self.trouble.warning(place, message, help);
+        }
+        let parts: Vec<i64> = parts.into_iter().map(|(id, _)| id).collect();
+        for record in records {
             let kind = record.integer("adptyp");
             let angle = record.real("adptol");
-            let parts: Vec<i64> = self.adaptive.iter().copied().collect();
             let bends = matches!(kind, 1 | 2) && (angle > 0.0 && angle < 180.0);
             if !bends || parts.is_empty() || record.integer("maxlvl") < 2 {
                 let message = match (bends, parts.is_empty()) {
@@ -135,7 +144,7 @@ impl DeckConverter {
             let mut set = |key: &str, field: &str, value: NodeContent| {
                 self.tree.set_in("adaptivity", key, record.place(field), value);
             };
-            set("parts", "adptyp", parts.into());
+            set("parts", "adptyp", parts.clone().into());
             set("angle", "adptol", angle.into());
             set("levels", "maxlvl", (record.integer("maxlvl") - 1).min(4).into());
             set("interval", "adpfreq", record.real("adpfreq").max(0.0).into());

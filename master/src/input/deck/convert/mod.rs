@@ -135,8 +135,8 @@ pub struct DeckConverter {
     end_time: f64,
     /// Parts of shells by the null material that makes them a skin.
     skins: BTreeMap<i64, i64>,
-    /// Parts whose shells may be divided.
-    adaptive: BTreeSet<i64>,
+    /// Parts with an adpopt: its value and place.
+    adaptive: BTreeMap<i64, (i64, Place)>,
     /// Place of the field that lets solids erode by their step, if it is set.
     eroding: Option<Place>,
     /// Materials and sections of unsupported keywords.
@@ -289,7 +289,7 @@ impl DeckConverter {
             velocities: Vec::new(),
             end_time: 0.0,
             skins: BTreeMap::new(),
-            adaptive: BTreeSet::new(),
+            adaptive: BTreeMap::new(),
             eroding: None,
             left_out: left_out::LeftOutCards::default(),
             fixes: Vec::new(),

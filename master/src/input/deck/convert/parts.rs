@@ -78,8 +78,8 @@ impl DeckConverter {
         for record in self.take_records("PART") {
             let Some((id, name)) = self.new_part(&record, &mut names) else { continue };
             let place = record.place("pid");
-            if record.integer("adpopt") == 1 {
-                self.adaptive.insert(id);
+            if record.integer("adpopt") != 0 {
+                self.adaptive.insert(id, (record.integer("adpopt"), record.place("adpopt")));
             }
             let (mid, secid) = (record.integer("mid"), record.integer("secid"));
             let section = sections.by_id.get(&secid);
