@@ -1,6 +1,7 @@
 //! The serial engine of one worker. It builds mesh, state and laws from its partition and owns
 //! them.
 
+mod adaptivity;
 mod changes;
 pub mod checkpoint;
 
@@ -45,7 +46,7 @@ use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
 
 /// State that the engine keeps while its local mesh is built again.
-pub(crate) struct KeptState {
+struct KeptState {
     slow_dt: f64,
     all_computed: bool,
     /// Last cuts of the second decomposition.
@@ -203,7 +204,7 @@ impl Engine {
     ///
     /// # Errors
     /// A worker is gone.
-    pub(crate) fn take_share(
+    fn take_share(
         &mut self,
         comm: &mut dyn Transport,
     ) -> Result<(PartitionData, KeptState), RankLost> {
@@ -217,7 +218,7 @@ impl Engine {
     ///
     /// # Errors
     /// A worker is gone.
-    pub(crate) fn settle(
+    fn settle(
         &mut self,
         comm: &mut dyn Transport,
         share: PartitionData,

@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// Division of a shell, as its worker sends it to all others.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, Serialize, Deserialize)]
 #[repr(C)]
-pub(super) struct Division {
+pub(crate) struct Division {
     pub id: ElemId,
     pub nodes: [NodeId; 4],
     /// Mass and rotational inertia of the shell at each corner [mass], [mass length^2].
@@ -25,7 +25,7 @@ pub(super) struct Division {
 
 /// A division with its new ids.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct NumberedDivision {
+pub(crate) struct NumberedDivision {
     pub of: Division,
     /// Ids of the quarters at the corners.
     pub quarters: [ElemId; 4],
@@ -63,7 +63,7 @@ impl NumberedDivision {
 }
 
 /// Returns the corners of the quarter of a quad at one of its corners [length].
-pub(super) fn quarter_of_quad(x: &[[f64; 3]; 4], corner: usize) -> [[f64; 3]; 4] {
+pub(crate) fn quarter_of_quad(x: &[[f64; 3]; 4], corner: usize) -> [[f64; 3]; 4] {
     let mean = |of: &[usize]| {
         [0, 1, 2].map(|c| of.iter().map(|&k| x[k][c]).sum::<f64>() / of.len() as f64)
     };
@@ -77,7 +77,7 @@ pub(super) fn quarter_of_quad(x: &[[f64; 3]; 4], corner: usize) -> [[f64; 3]; 4]
 }
 
 /// The formulations of the parts of divided shells.
-pub(super) struct Formulations<'a> {
+pub(crate) struct Formulations<'a> {
     settings: &'a Settings,
     built: HashMap<u32, Box<dyn Element>>,
 }
@@ -127,7 +127,7 @@ impl<'a> Formulations<'a> {
 ///
 /// # Errors
 /// A worker is gone.
-pub(super) fn gather(
+pub(crate) fn gather(
     comm: &mut dyn Transport,
     own: Vec<Division>,
 ) -> Result<Vec<Division>, RankLost> {
@@ -138,7 +138,7 @@ pub(super) fn gather(
 
 impl Adaptivity {
     /// Gives the new elements and nodes of divisions after a cycle their ids.
-    pub(super) fn number(&mut self, divisions: &[Division], cycle: u64) -> Vec<NumberedDivision> {
+    pub(crate) fn number(&mut self, divisions: &[Division], cycle: u64) -> Vec<NumberedDivision> {
         let mut numbered = Vec::with_capacity(divisions.len());
         for (&of, count) in divisions.iter().zip(self.divided()..) {
             let level = self.level(of.id) + 1;
@@ -174,7 +174,7 @@ impl Adaptivity {
     }
 
     /// Returns the nodes in the middle of the sides of these divisions that exist already.
-    pub(super) fn known_middles(&self, divisions: &[Division]) -> BTreeSet<NodeId> {
+    pub(crate) fn known_middles(&self, divisions: &[Division]) -> BTreeSet<NodeId> {
         let sides = |d: &Division| {
             let nodes = d.nodes;
             (0..4).map(move |k| side(nodes[k], nodes[(k + 1) % 4]))
@@ -185,7 +185,7 @@ impl Adaptivity {
 
     /// Returns what divisions add to the masses and inertias of nodes, and adds it to those of the
     /// new nodes.
-    pub(super) fn add_masses(
+    pub(crate) fn add_masses(
         &mut self,
         divisions: &[NumberedDivision],
     ) -> BTreeMap<NodeId, [f64; 2]> {

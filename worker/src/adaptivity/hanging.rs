@@ -2,7 +2,7 @@
 //! the middle of its halves, and nodes between nodes of one prescribed motion. They are tied to the
 //! nodes between which they lie. One of these that hangs itself is replaced by what it follows.
 
-use super::{Adaptivity, NewNode, Side, marks, side};
+use super::{Adaptivity, NewNode, ShellSide, marks, side};
 use crate::constraints::ties::AddedTie;
 use crate::parallel::partition::PartitionData;
 use crumple_proto::ids::NodeId;
@@ -16,13 +16,13 @@ use std::collections::{BTreeMap, BTreeSet};
 ///
 /// # Errors
 /// A worker is gone.
-pub(super) fn find(
+pub(crate) fn find(
     comm: &mut dyn Transport,
     known: &Adaptivity,
     share: &PartitionData,
 ) -> Result<BTreeSet<NodeId>, RankLost> {
     let shells = share.elements.iter().filter(|(e, _)| !e.failed && e.shape.is_shell());
-    let mut open: Vec<Side> = shells.flat_map(|(e, _)| sides_of(e.shape, &e.nodes)).collect();
+    let mut open: Vec<ShellSide> = shells.flat_map(|(e, _)| sides_of(e.shape, &e.nodes)).collect();
     let mut own = BTreeSet::new();
     while let Some(whole) = open.pop() {
         if let Some(&middle) = known.of_sides.get(&whole) {
@@ -37,7 +37,7 @@ pub(super) fn find(
     Ok(all)
 }
 
-fn sides_of(shape: Shape, nodes: &CornerNodes) -> Vec<Side> {
+fn sides_of(shape: Shape, nodes: &CornerNodes) -> Vec<ShellSide> {
     match shape {
         Shape::Tri3 => (0..3).map(|k| side(nodes[k], nodes[(k + 1) % 3])).collect(),
         _ => marks::sides(nodes).to_vec(),
@@ -47,12 +47,12 @@ fn sides_of(shape: Shape, nodes: &CornerNodes) -> Vec<Side> {
 impl Adaptivity {
     /// Removes the masses of all hanging nodes from the nodes that they follow. Records have their
     /// own masses after it.
-    pub(super) fn take_back(&self, records: &mut [NodeRecord]) {
+    pub(crate) fn take_back(&self, records: &mut [NodeRecord]) {
         self.move_masses(records, -1.0);
     }
 
     /// Gives the masses of hanging nodes to the nodes that they follow.
-    pub(super) fn give(&self, records: &mut [NodeRecord]) {
+    pub(crate) fn give(&self, records: &mut [NodeRecord]) {
         self.move_masses(records, 1.0);
     }
 
@@ -76,7 +76,7 @@ impl Adaptivity {
     }
 
     /// Sets which nodes hang, and what they follow.
-    pub(super) fn hang(&mut self, hanging: &BTreeSet<NodeId>) {
+    pub(crate) fn hang(&mut self, hanging: &BTreeSet<NodeId>) {
         let weights: Vec<_> = self.nodes.keys().map(|&id| self.weights(id, hanging)).collect();
         for (node, follows) in self.nodes.values_mut().zip(weights) {
             node.follows = follows;
@@ -103,7 +103,7 @@ impl Adaptivity {
     }
 
     /// Returns the ties of all hanging nodes, ascending.
-    pub(super) fn ties(&self) -> Vec<AddedTie> {
+    pub(crate) fn ties(&self) -> Vec<AddedTie> {
         let hanging = self.nodes.iter().filter(|(_, node)| !node.follows.is_empty());
         let tie = |(&id, node): (&NodeId, &NewNode)| AddedTie {
             tie: Tie {
@@ -122,7 +122,7 @@ impl Adaptivity {
     }
 
     /// Returns true if a division has made the node.
-    pub(super) fn has_made(&self, node: NodeId) -> bool {
+    pub(crate) fn has_made(&self, node: NodeId) -> bool {
         self.nodes.contains_key(&node)
     }
 }

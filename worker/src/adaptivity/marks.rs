@@ -2,7 +2,7 @@
 //! side has one node in its middle, where both shells may be divided.
 
 use super::division::quarter_of_quad;
-use super::{Adaptivity, Side, side};
+use super::{Adaptivity, ShellSide, side};
 use crate::fem::blocks::{Block, Blocks};
 use crate::math::row::{V3, xyz};
 use crate::nodes::Nodes;
@@ -16,7 +16,7 @@ use std::collections::{BTreeSet, HashSet};
 const LEAST_QUARTER: f64 = 0.05;
 
 /// Returns the sides of a four-node shell.
-pub(super) fn sides(nodes: &CornerNodes) -> [Side; 4] {
+pub(crate) fn sides(nodes: &CornerNodes) -> [ShellSide; 4] {
     std::array::from_fn(|k| side(nodes[k], nodes[(k + 1) % 4]))
 }
 
@@ -48,7 +48,7 @@ fn bending_angle(block: &Block, i: usize, x: &[[f64; 3]; 4]) -> f64 {
 ///
 /// # Errors
 /// A worker is gone.
-pub(super) fn marks(
+pub(crate) fn marks(
     comm: &mut dyn Transport,
     known: &Adaptivity,
     blocks: &Blocks,
@@ -67,12 +67,12 @@ pub(super) fn marks(
     let mut last: Vec<usize> = marked.iter().copied().collect();
     loop {
         let own = last.iter().flat_map(|&i| sides(&blocks.elements[i].record.nodes));
-        let wholes: BTreeSet<Side> = own.filter_map(|s| known.whole_side(s)).collect();
+        let wholes: BTreeSet<ShellSide> = own.filter_map(|s| known.whole_side(s)).collect();
         let wholes = gather_all(comm, wholes.into_iter().collect())?.concat();
         if wholes.is_empty() {
             return Ok(marked);
         }
-        let wholes: HashSet<Side> = wholes.into_iter().collect();
+        let wholes: HashSet<ShellSide> = wholes.into_iter().collect();
         let has =
             |i: &usize| sides(&blocks.elements[*i].record.nodes).iter().any(|s| wholes.contains(s));
         last = open.iter().copied().filter(|i| !marked.contains(i) && has(i)).collect();

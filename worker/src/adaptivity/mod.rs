@@ -9,8 +9,8 @@
 //!    histories of contact pairs go over to the quarters.
 //! 3. `hanging.rs`: a node in the middle of a side whose other shell is not divided is tied to the
 //!    ends of the side.
-//! 4. `engine.rs`: the local mesh is built again, and the step becomes shorter if a quarter needs
-//!    it.
+//! 4. `worker/src/engine/adaptivity.rs`: the local mesh is built again, and the step becomes
+//!    shorter if a quarter needs it.
 //!
 //! A new node in the middle of a side has the mean position and the mean velocities of the ends, a
 //! node in the centre those of the four corners. So the surface stays as it is, and so does the
@@ -21,12 +21,11 @@
 //! The mesh after some checks does not depend on the number of workers: all lists are sorted by
 //! global ids before they are numbered or summed.
 
-mod division;
-mod engine;
-mod hanging;
-mod marks;
+pub(crate) mod division;
+pub(crate) mod hanging;
+pub(crate) mod marks;
 mod pair_histories;
-mod quarters;
+pub(crate) mod quarters;
 
 use crumple_proto::adaptivity::AdaptivitySettings;
 use crumple_proto::ids::{ElemId, NodeId};
@@ -37,10 +36,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Side of a shell: its nodes, the lower id first.
-type Side = [NodeId; 2];
+type ShellSide = [NodeId; 2];
 
 /// Returns the side between two nodes.
-fn side(a: NodeId, b: NodeId) -> Side {
+fn side(a: NodeId, b: NodeId) -> ShellSide {
     if a < b { [a, b] } else { [b, a] }
 }
 
@@ -53,8 +52,8 @@ pub struct Adaptivity {
     next_check: f64,
     /// True if the step is short enough for the divisions of the next check, and the cycle until
     /// which that waits.
-    ready: bool,
-    waits_until: u64,
+    pub(crate) ready: bool,
+    pub(crate) waits_until: u64,
     /// All divisions, in their order, and the sum of the cycles after which they took place.
     divisions: Vec<NumberedDivision>,
     cycles: u64,
@@ -63,7 +62,7 @@ pub struct Adaptivity {
     /// All new nodes.
     nodes: BTreeMap<NodeId, NewNode>,
     /// Those in the middle of sides, by side.
-    of_sides: BTreeMap<Side, NodeId>,
+    of_sides: BTreeMap<ShellSide, NodeId>,
     /// Nodes of each prescribed motion, new ones too, and its degrees of freedom.
     #[serde(skip)]
     led: Vec<(BTreeSet<NodeId>, u64)>,
@@ -132,12 +131,12 @@ impl Adaptivity {
     }
 
     /// Returns true if a check is due at this time.
-    fn is_due(&self, time: f64) -> bool {
+    pub(crate) fn is_due(&self, time: f64) -> bool {
         time >= self.next_check && time <= self.settings.window[1]
     }
 
     /// Counts the checks that are due at this time as one that is done.
-    fn pass(&mut self, time: f64) {
+    pub(crate) fn pass(&mut self, time: f64) {
         let interval = self.settings.interval;
         self.next_check += interval * ((time - self.next_check) / interval).floor();
         if self.next_check <= time {
@@ -157,7 +156,7 @@ impl Adaptivity {
     }
 
     /// Returns the side of which this one is a half, if there is one.
-    fn whole_side(&self, [a, b]: Side) -> Option<Side> {
+    fn whole_side(&self, [a, b]: ShellSide) -> Option<ShellSide> {
         let of = |(middle, end): (NodeId, NodeId)| match self.nodes.get(&middle)?.between[..] {
             [p, q] if end == p || end == q => Some([p, q]),
             _ => None,

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 ///
 /// # Errors
 /// A worker is gone.
-pub(super) fn publish(
+pub(crate) fn publish(
     comm: &mut dyn Transport,
     share: &mut PartitionData,
     wanted: &BTreeSet<NodeId>,
@@ -66,7 +66,7 @@ fn mean_of(id: NodeId, fixed: u64, of: &[&NodeRecord]) -> NodeRecord {
 
 impl Adaptivity {
     /// Replaces the divided shells of this partition by their quarters, and makes the new nodes.
-    pub(super) fn divide(
+    pub(crate) fn divide(
         &self,
         share: &mut PartitionData,
         divisions: &[NumberedDivision],

@@ -232,18 +232,18 @@ impl Meridian {
 
 /// Effect of the rate: `eta`, `n` and the largest overstress.
 #[derive(Clone, Copy)]
-struct Rate([f64; 3]);
+struct ConcreteRate([f64; 3]);
 
 /// Effects of the rate.
 struct Rates {
-    tension: Rate,
-    compression: Rate,
+    tension: ConcreteRate,
+    compression: ConcreteRate,
     shear_ratio: f64,
     energy_power: f64,
 }
 
 /// Softening in tension or compression.
-struct Softening {
+struct ConcreteSoftening {
     /// Energy over the area of a crack [force/length].
     energy: f64,
     /// D or B.
@@ -260,8 +260,8 @@ struct Cscm {
     cap: Cap,
     /// J1 of the apex in tension.
     apex: f64,
-    tension: Softening,
-    compression: Softening,
+    tension: ConcreteSoftening,
+    compression: ConcreteSoftening,
     shear_energy: f64,
     /// -Li2(-B).
     dilogarithm: f64,
@@ -381,8 +381,8 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Cscm, Vec<Pr
     }
     parameters.finish()?;
     let rates = tension_rate.zip(compression_rate).map(|(tension, compression)| Rates {
-        tension: Rate(tension),
-        compression: Rate(compression),
+        tension: ConcreteRate(tension),
+        compression: ConcreteRate(compression),
         shear_ratio,
         energy_power,
     });
@@ -406,8 +406,12 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Cscm, Vec<Pr
         extension: Meridian::new(extension.unwrap_or(unused)),
         cap: Cap { ratio, start, volume, rates: [d1, d2] },
         apex: strength.apex(),
-        tension: Softening { energy: energies[0], shape: tension_shape, power: tension_power },
-        compression: Softening {
+        tension: ConcreteSoftening {
+            energy: energies[0],
+            shape: tension_shape,
+            power: tension_power,
+        },
+        compression: ConcreteSoftening {
             energy: energies[1],
             shape: compression_shape,
             power: compression_power,
@@ -498,7 +502,7 @@ struct Softens<R: Real> {
 }
 
 /// The state after plastic flow.
-struct Flow<R> {
+struct ConcreteFlow<R> {
     /// J1 and sqrt(J2).
     j1: R,
     q: R,
@@ -583,7 +587,7 @@ impl Cscm {
 
     /// Returns a trial state to the elastic limit.
     #[inline(always)]
-    fn flow<R: Real>(&self, j1: R, q: R, sine: R, cap: R) -> Flow<R> {
+    fn flow<R: Real>(&self, j1: R, q: R, sine: R, cap: R) -> ConcreteFlow<R> {
         let (zero, one) = (R::zero(), R::splat(1.0));
         let [g, k9] = [self.elastic.shear_modulus(), 9.0 * self.elastic.bulk_modulus()];
         let [g, k9] = [g, k9].map(R::splat);
@@ -599,14 +603,14 @@ impl Cscm {
         let step = R::select(opens, Real::min(along, q / g), zero);
         let raised = (k9 * slope).mul_add(step, j1);
         let start = Real::max(raised, apex);
-        let mut to = Flow {
+        let mut to = ConcreteFlow {
             j1: start,
             q: Real::max(g.neg_mul_add(step, q), zero),
             strain: third * step,
             cap,
             dilation: R::select(opens, (start - j1) / k9, zero),
         };
-        let limit = |to: &Flow<R>| {
+        let limit = |to: &ConcreteFlow<R>| {
             let ratio = self.ratio(to.j1, sine);
             let [value, slope] = self.strength.at(to.j1);
             let place = self.cap_at(to.cap);
@@ -656,7 +660,7 @@ impl Cscm {
 
     /// Returns the energy between that of shear and that of tension or compression.
     #[inline(always)]
-    fn energy<R: Real>(&self, softening: &Softening, t: R) -> R {
+    fn energy<R: Real>(&self, softening: &ConcreteSoftening, t: R) -> R {
         let acts = t.gt(R::zero());
         let part = R::select(acts, t.powf_where(softening.power, acts), R::zero());
         R::splat(softening.energy - self.shear_energy).mul_add(part, R::splat(self.shear_energy))
@@ -693,7 +697,8 @@ impl Cscm {
         let share = R::select(large, R::splat(1.0 / PARTS as f64), one);
         let part = elastic.map(|increment| share * increment);
         let mut inviscid: Symmetric<R> = std::array::from_fn(|c| state[PLASTIC + c]);
-        let mut to = Flow { j1: -trace(&trial), q, strain: zero, cap: state[cap], dilation: zero };
+        let mut to =
+            ConcreteFlow { j1: -trace(&trial), q, strain: zero, cap: state[cap], dilation: zero };
         let mut flows = zero.gt(zero);
         for k in 0..PARTS {
             let acts = if k == 0 { zero.le(zero) } else { large };
@@ -802,10 +807,12 @@ impl Cscm {
         let per_dt = R::splat(if dt > 0.0 { 1.0 / dt } else { 0.0 });
         let rate = per_dt * (R::splat(2.0 / 3.0) * inner(&e, &e)).sqrt();
         let moves = rate.gt(tiny);
-        let of = |Rate([eta, n, _]): Rate| R::splat(eta) * rate.powf_where(-n, moves);
+        let of =
+            |ConcreteRate([eta, n, _]): ConcreteRate| R::splat(eta) * rate.powf_where(-n, moves);
         let acts = t.gt(zero);
-        let part =
-            |softening: &Softening| R::select(acts, t.powf_where(softening.power, acts), zero);
+        let part = |softening: &ConcreteSoftening| {
+            R::select(acts, t.powf_where(softening.power, acts), zero)
+        };
         let shear = R::splat(rates.shear_ratio) * of(rates.tension);
         let between = |time: R, part: R| part.mul_add(time - shear, shear);
         let time = R::select(

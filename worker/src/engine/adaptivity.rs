@@ -1,10 +1,10 @@
 //! A check of the whole mesh, and the mesh after it.
 
-use super::division::{self, Formulations};
-use super::marks::marks;
-use super::{hanging, quarters};
+use super::Engine;
+use crate::adaptivity::division::{self, Formulations};
+use crate::adaptivity::marks::marks;
+use crate::adaptivity::{hanging, quarters};
 use crate::energy::kinetic_at_mid_step;
-use crate::engine::Engine;
 use crate::math::row::xyz;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{RankLost, Transport, gather_all};
