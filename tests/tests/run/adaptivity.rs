@@ -166,7 +166,8 @@ fn a_division_keeps_mass_and_energy_and_opens_no_cracks() {
         let count = divided(&end);
         assert!(count >= 4 && count < most, "{more:?}: {count}");
         assert_eq!(end.blocks.elements.len() as u64, 17 + 3 * count);
-        // Measured 0.3 to 0.6 %; without divisions 0.004 %.
+        // Measured 0.6 % with one level; without divisions 0.004 %. The rest is the power of forces
+        // that a division leaves unbalanced, in one step.
         let error = imbalance(&end);
         assert!(error.abs() < 0.015, "{more:?}: {error}");
     }
@@ -241,6 +242,7 @@ fn all_quads_can_be_divided() {
         assert!(divided(&end) >= 4, "{more}: {}", divided(&end));
         let error = imbalance(&end);
         println!("{more}: {error:.1e}");
-        assert!(error.abs() < 0.02, "{more}: {error}");
+        // Measured 1.2e-3 to 2.8e-3: see `STEPS_BEFORE` in `worker/src/engine/adaptivity.rs`.
+        assert!(error.abs() < 5e-3, "{more}: {error}");
     }
 }
