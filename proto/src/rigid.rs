@@ -17,6 +17,8 @@ pub struct RigidBody {
     /// Inertia about the centre, xx, yy, zz, xy, yz, zx, in place of that of the nodal masses
     /// [mass length^2].
     pub inertia: Option<[f64; 6]>,
+    /// Inertia xx, yy, zz, xy, yz, zx that adds to either [mass length^2].
+    pub added_inertia: Option<[f64; 6]>,
     /// Prescribed motions of the centre and rotations about it; their `nodes` are empty.
     pub motions: Vec<PrescribedMotion>,
     /// Times at which its parts become rigid and deformable again [time]; `None` for a body that is

@@ -34,6 +34,11 @@ pub struct Rigid {
     /// nodal masses.
     #[serde(default)]
     pub inertia: Option<[f64; 6]>,
+    /// Inertia of points that the body carries, each about itself, xx, yy, zz, xy, yz, zx
+    /// [mass length^2]: it adds to `inertia`, or to that of the nodal masses. The masses of the
+    /// points are `[[mass]]` of their nodes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub added_inertia: Option<[f64; 6]>,
     /// Time at which its parts become rigid [time]; they deform before. The body then has the mass,
     /// the momentum and the angular momentum of its nodes. The kinetic energy of their other motion
     /// counts as work of external forces.

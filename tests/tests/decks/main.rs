@@ -29,6 +29,7 @@ mod formats;
 mod honeycomb;
 mod joints;
 mod left_out;
+mod links;
 mod materials;
 mod mesh_details;
 mod mesh_files;

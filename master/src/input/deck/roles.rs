@@ -125,6 +125,7 @@ const ROLES: &[(&str, &str)] = &[
     ("ELEMENT_SOLID", ""),
     ("ELEMENT_TSHELL", ""),
     ("ELEMENT_MASS", "mass=m"),
+    ("ELEMENT_INERTIA", "ixx=i ixy=i ixz=i iyy=i iyz=i izz=i mass=m"),
     ("ELEMENT_MASS_PART", "addmass=m finmass=m lcid=#f:t:m mwd=1"),
     ("ELEMENT_MASS_NODE_SET", "mass=m"),
     ("ELEMENT_SEATBELT_ACCELEROMETER", "sbacid=#e nid3=#n igrav=1 intopt=1 mass=m"),

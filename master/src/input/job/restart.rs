@@ -52,6 +52,7 @@ pub fn add(job: &mut Job, findings: &mut JobProblems) {
         mass: None,
         centre: None,
         inertia: None,
+        added_inertia: None,
         from: 0.0,
         until: None,
         stop: Vec::new(),

@@ -77,9 +77,19 @@ pub fn resolve(
             .filter(|(_, p)| rigid.parts.contains(&p.id))
             .map(|(k, _)| k)
             .collect();
-        let inertia = rigid.inertia;
+        let (inertia, added_inertia) = (rigid.inertia, rigid.added_inertia);
         let (motions, stops, loads) = (Vec::new(), Vec::new(), Vec::new());
-        bodies.push(RigidBody { nodes, parts, fixed, inertia, motions, window, stops, loads });
+        bodies.push(RigidBody {
+            nodes,
+            parts,
+            fixed,
+            inertia,
+            added_inertia,
+            motions,
+            window,
+            stops,
+            loads,
+        });
     }
     for body in bodies.iter().filter(|body| body.window.is_none()) {
         body.nodes.iter().filter_map(|&id| sets.place(id)).for_each(|n| start.fixed[n] |= ALL);
@@ -108,7 +118,8 @@ fn window(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) -> Opt
         let help = "give a `from` above 0; parts that are rigid first need a material that deforms";
         refuse("until", "begins at 0 and ends", help);
     }
-    if rigid.mass.is_some() || rigid.inertia.is_some() || rigid.centre.is_some() {
+    let has_inertia = rigid.inertia.is_some() || rigid.added_inertia.is_some();
+    if rigid.mass.is_some() || has_inertia || rigid.centre.is_some() {
         let help = "remove them: they are those of its nodes at that time";
         refuse("mass", "becomes rigid in the run and has a mass or inertia, or a centre", help);
     }
@@ -182,22 +193,37 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) {
         let message = "`centre` is that of the masses of the body's parts, but the body has none";
         findings.add(Problem::error(path("centre"), message, "name its `parts`, or remove it"));
     }
-    if let Some([xx, yy, zz, xy, yz, zx]) = rigid.inertia {
-        // Sylvester's criterion for a positive definite matrix, then the triangle inequality in
-        // these axes, which holds for every body.
-        let minor = xx * yy - xy * xy;
-        let whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
-        let triangle = xx <= yy + zz && yy <= zz + xx && zz <= xx + yy;
-        if !(xx > 0.0 && minor > 0.0 && whole > 0.0 && triangle) {
-            let help = "give xx, yy, zz, xy, yz, zx of a positive definite matrix in which no \
-                        moment exceeds the sum of the other two";
-            findings.add(Problem::error(
-                path("inertia"),
-                "no distribution of mass has this inertia",
-                help,
-            ));
+    if rigid.inertia.is_some_and(|inertia| !is_inertia(inertia, 0.0)) {
+        let help = "give xx, yy, zz, xy, yz, zx of a positive definite matrix in which no moment \
+                    exceeds the sum of the other two";
+        findings.add(Problem::error(
+            path("inertia"),
+            "no distribution of mass has this inertia",
+            help,
+        ));
+    }
+    if let Some(added) = rigid.added_inertia {
+        // The inertia of a bar about its axis may be zero.
+        let largest = added.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        if added != [0.0; 6] && !is_inertia(added, 1e-6 * largest) {
+            let help = "give xx, yy, zz, xy, yz, zx of a matrix without negative moments in which \
+                        no moment exceeds the sum of the other two";
+            let message = "no distribution of mass has this `added_inertia`";
+            findings.add(Problem::error(path("added_inertia"), message, help));
         }
     }
+}
+
+/// Returns true if a distribution of mass has this inertia, to which a sphere is added, whose
+/// moment may be 0.
+fn is_inertia([xx, yy, zz, xy, yz, zx]: [f64; 6], sphere: f64) -> bool {
+    let [xx, yy, zz] = [xx, yy, zz].map(|moment| moment + sphere);
+    // Sylvester's criterion for a positive definite matrix, then the triangle inequality in these
+    // axes, which holds for every body.
+    let minor = xx * yy - xy * xy;
+    let whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
+    let triangle = xx <= yy + zz && yy <= zz + xx && zz <= xx + yy;
+    xx > 0.0 && minor > 0.0 && whole > 0.0 && triangle
 }
 
 /// Data of a mesh that all bodies need.

@@ -181,6 +181,11 @@ impl Bodies {
     }
 }
 
+/// Returns the matrix of an inertia xx, yy, zz, xy, yz, zx.
+fn matrix([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> Matrix3<f64> {
+    Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz)
+}
+
 /// Returns a body without members, which nothing moves.
 fn loose(job: &RigidBody, curves: &[Vec<[f64; 2]>]) -> Body {
     let still = Momentum::new(V3::zeros(), V3::zeros());
@@ -208,12 +213,12 @@ fn assemble(
         own += Matrix3::identity() * m.inertia;
         angular += arm.cross(&(V3::from(m.v) - velocity)) * m.mass + V3::from(m.w) * m.inertia;
     }
-    let given = job
-        .inertia
-        .map(|[xx, yy, zz, xy, yz, zx]| Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz));
-    let inertia = given.unwrap_or(own);
-    if given.is_some() {
-        // Rotational velocity of the nodes, with the prescribed inertia.
+    let mut inertia = job.inertia.map_or(own, matrix);
+    if let Some(added) = job.added_inertia {
+        inertia += matrix(added);
+    }
+    if job.inertia.is_some() || job.added_inertia.is_some() {
+        // Rotational velocity of the nodes, with the inertia of the body.
         angular = inertia * own.try_inverse().map_or(V3::zeros(), |i| i * angular);
     }
     (Body::new(job, curves, mass, inertia, centre, Momentum::new(velocity, angular)), inertia - own)

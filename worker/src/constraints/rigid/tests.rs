@@ -12,6 +12,7 @@ fn job() -> RigidBody {
         parts: Vec::new(),
         fixed: 0,
         inertia: None,
+        added_inertia: None,
         motions: Vec::new(),
         window: None,
         stops: Vec::new(),

@@ -21,6 +21,7 @@ pub(in crate::input::deck) mod inertia;
 pub(in crate::input::deck) mod initial;
 mod joints;
 mod left_out;
+mod links;
 mod loads;
 mod materials;
 pub mod mesh;
@@ -130,6 +131,8 @@ pub struct DeckConverter {
     bodies: BTreeMap<i64, String>,
     /// Names of rigid bodies by node, for joints.
     node_bodies: HashMap<NodeId, String>,
+    /// Inertias of nodes, xx, yy, zz, xy, yz, zx [mass length^2].
+    node_inertias: BTreeMap<NodeId, ([f64; 6], Place)>,
     /// Initial velocities so far.
     velocities: Vec<initial::DeckVelocity>,
     end_time: f64,
@@ -203,6 +206,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.units(&mut materials);
     b.spc();
     b.planes();
+    b.links();
     b.rigid();
     b.switches();
     b.joints();
@@ -286,6 +290,7 @@ impl DeckConverter {
             broken_contacts: Vec::new(),
             bodies: BTreeMap::new(),
             node_bodies: HashMap::new(),
+            node_inertias: BTreeMap::new(),
             velocities: Vec::new(),
             end_time: 0.0,
             skins: BTreeMap::new(),

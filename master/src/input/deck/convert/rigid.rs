@@ -62,8 +62,10 @@ impl DeckConverter {
             let parts: Vec<i64> = body.parts.into_iter().collect();
             let of_parts = self.rows.nodes_of(|part| parts.contains(&i64::from(part)));
             let has_elements = !of_parts.is_empty();
-            let members = of_parts.into_iter().chain(body.nodes.iter().copied());
-            self.node_bodies.extend(members.map(|node| (node, name.clone())));
+            let members: Vec<NodeId> =
+                of_parts.into_iter().chain(body.nodes.iter().copied()).collect();
+            self.put_added_inertia(&members, &mut table);
+            self.node_bodies.extend(members.into_iter().map(|node| (node, name.clone())));
             // Nodes without elements have no mass; joints only need their positions.
             body.nodes.retain(|node| connected.binary_search(node).is_ok());
             let set = format!("body-{id}-nodes");
@@ -91,6 +93,7 @@ impl DeckConverter {
         }
         self.nodal_bodies(&mut entries);
         entries.into_iter().for_each(|own| self.entries_without_body(own));
+        self.inertias_without_body();
         self.check_followers(&followers);
     }
 
@@ -234,6 +237,7 @@ impl DeckConverter {
             );
             let members = self.node_sets[&nsid].0.clone();
             self.nodal_inertia(&record, (&set, &members), &mut table);
+            self.put_added_inertia(&members, &mut table);
             if record.has("SPC") {
                 let fixed = self.held_centre(&record);
                 if !fixed.is_empty() {

@@ -288,6 +288,12 @@ fn join(
             added.iter().for_each(|&node| deck.card(&[Id(part), Id(node)]));
         }
     }
+    if let (Some(added), Some(node)) = (body.added_inertia, first_node(model, body)) {
+        let [xx, yy, zz, xy, yz, zx] = added.map(Number);
+        deck.keyword("ELEMENT_INERTIA");
+        deck.card(&[Id(1), Id(node)]);
+        deck.card(&[xx, xy, zx, yy, yz, zz]);
+    }
     let centre = body.centre.map(|centre| ("centre".to_string(), Value::from(centre.to_vec())));
     match body.parts.first().and_then(|lead| bodies.inertia.get(lead)) {
         Some(on_card) if on_card.has_centre || centre.is_none() => {}
@@ -307,6 +313,12 @@ fn join(
             }
         }
     }
+}
+
+/// Returns the number of a node of a body.
+fn first_node(model: &Model, body: &Rigid) -> Option<u64> {
+    let at = model.job.rigid.iter().position(|other| other.name == body.name)?;
+    model.settings.rigid.get(at)?.nodes.first().map(|node| node.label())
 }
 
 /// Returns true if a load of a body turns with it: the card of such a load has nodes.

@@ -41,6 +41,14 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[no_effect("eid pid", "masses have no numbers")]),
     Keyword::new(
+        "ELEMENT_INERTIA",
+        &[("eid:i8 nid:i8! cid:i8", Once), ("ixx:r ixy:r ixz:r iyy:r iyz:r izz:r mass:r", Once)],
+        "`added_inertia` of the rigid body of the node, and `[[mass]]` of the node. A node without \
+         elements gets a spring without force to another node of the body",
+    )
+    .unused(&[no_effect("eid", "inertias have no numbers")])
+    .repeats(),
+    Keyword::new(
         "ELEMENT_MASS_NODE_SET",
         &[("eid:i8 nsid:i8! mass:r16!", Rest)],
         "`[[mass]]` of the set",

@@ -53,6 +53,7 @@ impl StarterWriter<'_> {
             for (key, numbers) in [
                 ("centre", body.centre.map(|c| c.to_vec())),
                 ("inertia", body.inertia.map(|i| i.to_vec())),
+                ("added_inertia", body.added_inertia.map(|i| i.to_vec())),
             ] {
                 own.extend(numbers.map(|numbers| (key.to_string(), Value::from(numbers))));
             }
