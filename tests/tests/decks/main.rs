@@ -21,6 +21,7 @@ mod damage;
 mod damping;
 mod deletion_step;
 mod discrete_beams;
+mod embedded;
 mod exported;
 mod fates;
 mod field_meshes;

@@ -333,6 +333,18 @@ const ROLES: &[(&str, &str)] = &[
         "icid=#r ddof=1 ityp=1 idnsw=1 fgm=1 idof=1 twghtx=1 twghty=1 twghtz=1 rwghtx=1 rwghty=1 \
          rwghtz=1",
     ),
+    (
+        "CONSTRAINED_BEAM_IN_SOLID",
+        "coupid=#r bsid=1 ssid=1 bstyp=1 sstyp=1 ncoup=1 cdir=1 start=t end=t axfor=1 pssf=1 \
+         xint=l unused=1",
+    ),
+    (
+        "CONSTRAINED_LAGRANGE_IN_SOLID",
+        "coupid=#r lstrsid=1 alesid=1 lstrsty=1 alesty=1 nquad=1 ctype=1 direc=1 mcoup=1 start=t \
+         end=t pfac=1 fric=1 frcmin=1 norm=1 normtyp=1 dampfrac=1 k=1 hmin=1 hmax=1 ileak=1 \
+         pleak=1 lcidpor=#f nvent=1 iblock=1 iboxid=1 ipenchk=1 intforc=1 ialesof=1 lagmul=1 \
+         pfacmm=1 thkf=1 a1=1 b1=1 a2=1 b2=1 a3=1 b3=1 pore=1 unused=1",
+    ),
     ("CONSTRAINED_SPOTWELD", "sn=f ss=f n=1 m=1 tf=t ep=1"),
     (
         "CONSTRAINED_GENERALIZED_WELD_SPOT",

@@ -428,6 +428,14 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
         let kind = if integer(of) == 3 { OffsetKind::Part } else { OffsetKind::Set };
         roles.insert(field, id(kind));
     }
+    for (field, of) in
+        [("bsid", "bstyp"), ("ssid", "sstyp"), ("lstrsid", "lstrsty"), ("alesid", "alesty")]
+    {
+        if keyword.ends_with("_IN_SOLID") {
+            let kind = if integer(of) == 1 { OffsetKind::Part } else { OffsetKind::Set };
+            roles.insert(field, id(kind));
+        }
+    }
     if integer("icid") != 0 {
         roles.insert(LOCAL_AXES, FieldRole::Number([0; 3]));
     }

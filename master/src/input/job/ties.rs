@@ -2,6 +2,7 @@
 //! ids.
 
 mod failure;
+mod inside;
 pub mod mean;
 mod surface;
 
@@ -185,11 +186,18 @@ fn tied_nodes(
     if let Some(set) = &spec.mean_of {
         return mean::to_mean(spec, set, entry, nodes.unwrap_or_default(), context, findings);
     }
+    if spec.inside {
+        let nodes = nodes.unwrap_or_default();
+        return inside::to_solids(spec, entry, &nodes, context, findings);
+    }
     let surface = TieSurface::new(spec, entry, context, nodes.is_some(), findings);
     let (Some(surface), Some(nodes)) = (surface, nodes) else { return Vec::new() };
     let thickest = surface.thickest(&nodes);
     let mut found = surface.project(&nodes, thickest);
-    report_distant(job, entry, &found, |p| mesh.nodes[nodes[p]].id, findings);
+    let lost = nodes.iter().zip(&found).filter(|(_, foot)| foot.is_none());
+    let lost: Vec<NodeId> = lost.map(|(&n, _)| mesh.nodes[n].id).collect();
+    let place = (entry, "near enough to its surface");
+    report_lost(job, place, (&lost, nodes.len()), findings);
     if !spec.offset {
         surface::keep_solids(mesh, &nodes, &mut found);
     }
@@ -295,33 +303,27 @@ fn named(nodes: &[NodeId]) -> String {
     format!("{}{}", list.join(", "), if nodes.len() > NAMED { ", ..." } else { "" })
 }
 
-fn report_distant(
+/// Reports nodes of an entry that are not at `place`, out of a number of nodes.
+fn report_lost(
     job: &Job,
-    entry: usize,
-    found: &[Option<Foot>],
-    id: impl Fn(usize) -> NodeId,
+    (entry, place): (usize, &str),
+    (lost, count): (&[NodeId], usize),
     findings: &mut JobProblems,
 ) {
-    let lost: Vec<NodeId> = (0..found.len()).filter(|&p| found[p].is_none()).map(id).collect();
     let path = format!("tie.{entry}.nodes");
     let help = "give a larger `tolerance`, or remove them from the set";
-    if lost.len() == found.len() {
-        let message = format!(
-            "{}: none of its {} nodes is near enough to its surface",
-            name(job, entry),
-            lost.len()
-        );
+    if lost.len() == count {
+        let message = format!("{}: none of its {count} nodes is {place}", name(job, entry));
         findings.add(match job.tie[entry].may_be_empty {
             true => Problem::warning(path, message, "if this is meant, remove the tie"),
             false => Problem::error(path, message, help),
         });
     } else if !lost.is_empty() {
         let message = format!(
-            "{}: {} of {} nodes are not near enough to its surface and are not tied: {}",
+            "{}: {} of {count} nodes are not {place} and are not tied: {}",
             name(job, entry),
             lost.len(),
-            found.len(),
-            named(&lost)
+            named(lost)
         );
         findings.add(Problem::warning(path, message, help));
     }

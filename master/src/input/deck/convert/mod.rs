@@ -226,6 +226,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.tiebreaks();
     b.contacts(sections.defaults.shifted);
     b.ties();
+    b.embedded();
     b.interpolations();
     b.node_sets_as_one();
     b.put_ties();

@@ -6,7 +6,7 @@ use super::sets::id;
 use super::tree::JobTable;
 use crate::input::deck::record::{CardLine, CardRecord};
 use crumple_proto::ids::NodeId;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Keywords; true if they tie rotations too.
 const KEYWORDS: [(&str, bool); 4] = [
@@ -50,6 +50,96 @@ impl DeckConverter {
         let mut ties = std::mem::take(&mut self.ties);
         ties.sort_by_key(|(block, _)| *block);
         ties.into_iter().for_each(|(_, table)| self.add("tie", table));
+    }
+
+    /// Converts `*CONSTRAINED_BEAM_IN_SOLID` and `*CONSTRAINED_LAGRANGE_IN_SOLID`: nodes tied to
+    /// the solids in which they are.
+    pub(super) fn embedded(&mut self) {
+        let keywords = ["CONSTRAINED_BEAM_IN_SOLID", "CONSTRAINED_LAGRANGE_IN_SOLID"];
+        // A node that two cards tie is tied by the first one.
+        let mut tied: BTreeSet<NodeId> = BTreeSet::new();
+        for (record, number) in self.take_in_order(&keywords).iter().zip(1..) {
+            if let Some(table) = self.embed(record, number, &mut tied) {
+                self.add_tie(record.block, table);
+            }
+        }
+    }
+
+    fn embed(
+        &mut self,
+        record: &CardRecord,
+        number: usize,
+        tied: &mut BTreeSet<NodeId>,
+    ) -> Option<JobTable> {
+        let of_beams = record.row.keyword.name == "CONSTRAINED_BEAM_IN_SOLID";
+        let [inner, outer] = match of_beams {
+            true => [("bsid", "bstyp"), ("ssid", "sstyp")],
+            false => [("lstrsid", "lstrsty"), ("alesid", "alesty")],
+        };
+        if !of_beams && record.integer("ctype") != 2 {
+            let why = "a coupling to fluids; 2 ties nodes to solids";
+            self.unsupported_card(record, "ctype", why);
+            return None;
+        }
+        let wrong = match of_beams {
+            true if record.integer("cdir") != 0 => {
+                Some(("cdir", "beams that slide along their axis"))
+            }
+            true if record.integer("axfor") != 0 => Some(("axfor", "a bond that fails")),
+            _ => None,
+        };
+        if let Some((field, why)) = wrong {
+            self.unsupported_card(record, field, why);
+            return None;
+        }
+        let (start, end) = (record.real("start"), record.real("end"));
+        if start > 0.0 || (end > 0.0 && end < self.end_time) {
+            let field = if start > 0.0 { "start" } else { "end" };
+            self.unsupported_value(record, field, "ties that begin or end within the run");
+        }
+        let mut parts_of = |(field, kind): (&str, &str)| {
+            let (number, place) = (record.integer(field), record.place(field));
+            match record.integer(kind) {
+                0 => Some(self.part_set(number, place)),
+                1 => Some(if self.has_part(number, place) { vec![number] } else { Vec::new() }),
+                _ => {
+                    self.unsupported_card(record, kind, "use 0 (a set of parts) or 1 (a part)");
+                    None
+                }
+            }
+        };
+        let (beams, solids) = (parts_of(inner)?, parts_of(outer)?);
+        if beams.is_empty() || solids.is_empty() {
+            return None;
+        }
+        let own: HashSet<NodeId> =
+            self.rows.nodes_of(|p| solids.contains(&i64::from(p))).into_iter().collect();
+        let mut nodes = self.rows.nodes_of(|p| beams.contains(&i64::from(p)));
+        nodes.retain(|node| !own.contains(node) && tied.insert(*node));
+        if nodes.is_empty() {
+            let message = format!(
+                "{}: all its nodes are tied by another card, or are nodes of \
+                                   the solids",
+                record.name()
+            );
+            self.trouble.warning(record.head, message, "it has no effect");
+            return None;
+        }
+        let set =
+            self.rows.add_new_set(&format!("embedded-{number}"), nodes, record.place(inner.0));
+        let name = match record.word("heading") {
+            "" => format!("embedded {number}"),
+            heading => heading.to_string(),
+        };
+        let used = "nodes tied to the solids in which they are";
+        self.map(&name, record.name(), used);
+        Some(
+            JobTable::new(record.head)
+                .with("name", record.head, name)
+                .with("nodes", record.place(inner.0), set)
+                .with("parts", record.place(outer.0), solids)
+                .with("inside", record.head, true),
+        )
     }
 
     /// Converts `*CONSTRAINED_INTERPOLATION`.

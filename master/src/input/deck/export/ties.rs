@@ -43,6 +43,10 @@ impl TieCards {
             ids.sort_unstable();
             Some(ids)
         };
+        // The card of the format is for nodes of beams only.
+        if tie.inside {
+            return None;
+        }
         if let Some(node) = tie.node {
             let slaves = by_id(&tie.nodes)?;
             let is_first = slaves.first().is_some_and(|&other| node < other);

@@ -146,6 +146,51 @@ pub const KEYWORDS: &[Keyword] = &[
     .options(&["ID"])
     .repeats(),
     Keyword::new(
+        "CONSTRAINED_BEAM_IN_SOLID",
+        &[
+            ("coupid:i heading:a70", Count(id)),
+            ("bsid:i! ssid:i! bstyp:i sstyp:i unused:i unused:i ncoup:i cdir:i", Once),
+            ("start:r end:r unused:i axfor:i unused:i pssf:r unused:i xint:r", Once),
+        ],
+        "`[[tie]]` with `inside`: the nodes of the beams follow the solids in which they are, also \
+         with PENALTY",
+    )
+    .unused(&[
+        ignored("ncoup xint", "the nodes of beams are tied, not points between them"),
+        no_effect("pssf", "ties are exact: there is no penalty"),
+        no_effect("unused", "no field of the format"),
+    ])
+    .options(&["PENALTY", "ID", "TITLE"])
+    .repeats(),
+    Keyword::new(
+        "CONSTRAINED_LAGRANGE_IN_SOLID",
+        &[
+            ("coupid:i heading:a70", Count(id)),
+            ("lstrsid:i! alesid:i! lstrsty:i alesty:i nquad:i ctype:i=2 direc:i=1 mcoup:i", Once),
+            ("start:r end:r pfac:r fric:r frcmin:r norm:i normtyp:i dampfrac:r", Once),
+            ("k:r hmin:r hmax:r ileak:i pleak:r lcidpor:i nvent:i iblock:i", Maybe),
+            ("iboxid:i ipenchk:i intforc:i ialesof:i lagmul:r pfacmm:i thkf:r", Maybe),
+            ("a1:r b1:r a2:r b2:r a3:r b3:r unused:i pore:i", Maybe),
+        ],
+        "the same with ctype 2 for nodes of beams, trusses or shells; other values of ctype are \
+         coupling to fluids, which is not supported",
+    )
+    .unused(&[
+        no_effect("nquad", "nodes are tied"),
+        no_effect("direc mcoup", "all displacements are tied"),
+        no_effect(
+            "pfac fric frcmin norm normtyp dampfrac k hmin hmax ileak pleak lcidpor nvent iblock",
+            "they are for penalty coupling",
+        ),
+        no_effect(
+            "iboxid ipenchk intforc ialesof lagmul pfacmm thkf a1 b1 a2 b2 a3 b3 pore",
+            "they are for penalty coupling and output",
+        ),
+        no_effect("unused", "no field of the format"),
+    ])
+    .options(&["ID", "TITLE"])
+    .repeats(),
+    Keyword::new(
         "CONSTRAINED_INTERPOLATION",
         &[
             ("icid:i! dnid:i! ddof:i=123456 cidd:i ityp:i idnsw:i fgm:i", Once),
