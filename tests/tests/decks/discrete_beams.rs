@@ -48,6 +48,34 @@ fn cards_become_discrete_beams() {
     assert_eq!(ends, [[5, 11], [6, 12]]);
 }
 
+/// A law with a card for each axis gives the springs of the other two laws.
+#[test]
+fn laws_with_a_card_for_each_axis_become_springs() {
+    let general = "*MAT_GENERAL_SPRING_DISCRETE_BEAM\n66,4.0e-3\n1,0,0.5,0.125\n\n\
+                   3,0,0.25\n\n5,0,9.0\n5\n*MAT_196\n67,8.0e-3\n5,0,2.0\n\n\
+                   *DEFINE_CURVE\n5\n0.0,0.0\n1.0,0.5\n2.0,0.75\n";
+    let model = with(&format!("{PARTS}{general}"));
+    let first = beam(&model, 3);
+    let springs: Vec<_> = first.spring.iter().map(|s| (s.axis, s.stiffness, s.damping)).collect();
+    let exact = [(BeamAxis::R, 0.5, 0.125), (BeamAxis::T, 0.25, 0.0), (BeamAxis::Rs, 0.0, 0.0)];
+    assert_eq!(springs, exact);
+    let both = [[-2.0, -0.75], [-1.0, -0.5], [0.0, 0.0], [1.0, 0.5], [2.0, 0.75]];
+    assert_eq!(first.spring[2].force_elongation, both);
+    assert_eq!(beam(&model, 4).spring[0].axis, BeamAxis::Rs);
+
+    let wrong = general.replace("1,0,0.5,0.125", "7,0,0.5").replace("3,0,0.25", "3,1,0.25");
+    let wrong = wrong.replace("5,0,2.0\n\n", "5,0,2.0,0.0,-1.0\n0,5\n");
+    let said = refused(&format!("{PARTS}{wrong}"));
+    for words in [
+        "`dof` is 7",
+        "springs that yield are not supported",
+        "failure of discrete beams",
+        "depend on the rate of the displacement",
+    ] {
+        assert!(said.contains(words), "no {words} in\n{said}");
+    }
+}
+
 /// An export has the cards; read again it is the same job, with the same bits.
 #[test]
 fn exported_discrete_beams_are_the_same() {

@@ -395,6 +395,10 @@ const IDS_ONLY: &[(&str, &str)] = &[
     ),
     // The dimension of p1 and p2 depends on hr.
     ("MAT_3-PARAMETER_BARLAT", "m=1 a1=@d v1=@d d1=@d"),
+    (
+        "MAT_GENERAL_SPRING_DISCRETE_BEAM",
+        "dof=1 type=1 flcid=#f hlcid=#f glcid=#f mdfail=1 dospot=1",
+    ),
     ("MAT_*", "n=1 m=1 n1=1 n2=1 n3=1 idam=1 pvid=1 roflg=1 irate=1 itretrc=1 units=1"),
     ("CONTROL_*", "drcpsid=#s ihq=1 imflag=1 bwc=1 cntco=1 istupd=1 theory=1 endcyc=1 erode=1"),
     ("DAMPING_GLOBAL", ""),

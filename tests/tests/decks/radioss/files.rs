@@ -124,11 +124,11 @@ fn a_deck_is_a_mesh_file_and_can_be_imported() {
 fn an_import_says_what_a_deck_loses() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("plate_0000.rad");
-    fs::write(&path, with("/ANALY\ni0\n/MAT/LAW42/9\n=rubber\n/XYZ/1\n=x") + "/END\n").unwrap();
+    fs::write(&path, with("/ANALY\ni0\n/MAT/LAW70/9\n=foam\n/XYZ/1\n=x") + "/END\n").unwrap();
     let out = folder.path().join("imported");
     let args = ["import", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
     let said = run(crumple_with(&args)).with_code(2).said();
-    assert!(said.contains("/MAT/LAW42 is not supported yet: rubber"), "{said}");
+    assert!(said.contains("/MAT/LAW70 is not supported yet: foam"), "{said}");
     assert!(said.contains("/XYZ is not supported"), "{said}");
     assert!(!out.exists());
     let args = [&args[..], &["--allow-unsupported"]].concat();
@@ -138,7 +138,7 @@ fn an_import_says_what_a_deck_loses() {
         row.unwrap_or_else(|| panic!("{keyword} is not in {said}")).to_string()
     };
     assert!(fate("/ANALY").contains("ignored"), "{said}");
-    assert!(fate("/MAT/LAW42").contains("left out  rubber"), "{said}");
+    assert!(fate("/MAT/LAW70").contains("left out  foam"), "{said}");
     assert!(fate("/XYZ").contains("left out  not supported"), "{said}");
     assert!(said.contains("plate_0000.rad:") && said.contains("is not read"), "{said}");
 }

@@ -62,6 +62,40 @@ fn an_ultimate_stress_gives_the_hardening() {
     assert!(!flat.job.material[0].parameters.contains_key("hardening_modulus"));
 }
 
+/// Terms of the rubber of Ogden, without those of modulus 0; a blank nu is 0.495.
+#[test]
+fn rubber_has_its_terms() {
+    let of = |head: &str, moduli: &str, exponents: &str| {
+        let cube = "i2 i1 i0";
+        let law = format!("/MAT/LAW42/2\n=rubber\nr1e-6\n{head}\n{moduli}\n_\n{exponents}\n_");
+        assert!(mesh().contains(&card(cube)));
+        mesh().replace(&card(cube), &card("i2 i2 i0"))
+            + &properties()
+            + &steel()
+            + &moves()
+            + &deck(&law)
+    };
+    let rubber = |text: &str| {
+        let found = model(text).job.material.into_iter().find(|m| m.law == "ogden");
+        found.expect("a rubber").parameters
+    };
+    let found = rubber(&of("r0.49", "r8e-4 r-2e-4 r0 r1e-3", "r2.0 r-2.0 r0 r3.5"));
+    assert_eq!(found["terms"].to_string(), "[[0.0008, 2.0], [-0.0002, -2.0], [0.001, 3.5]]");
+    assert_eq!(found["poisson"].as_float(), Some(0.49));
+    assert_eq!(rubber(&of("_", "r8e-4", "r2.0"))["poisson"].as_float(), Some(0.495));
+    for (head, words) in [
+        ("r0.49 r0.1", "`sigcut` = 0.1"),
+        ("r0.49 r0 _ i5", "`fctbulk` = 5"),
+        ("r0.49 r0 _ i0 r1 i2", "`m` = 2"),
+    ] {
+        let report = reading(&of(head, "r8e-4", "r2.0"), &[]).err();
+        let report = report.unwrap_or_else(|| panic!("no error: {words}"));
+        assert!(report.contains(words), "{words}: {report}");
+    }
+    let mixed = reading(&of("r0.49", "r8e-4 r1e-4", "r2.0 r-2.0"), &[]).err().expect("an error");
+    assert!(mixed.contains("mu alpha is not above 0"), "{mixed}");
+}
+
 /// Limits of the largest principal strain, with and without the strain at which the stress begins
 /// to fall.
 #[test]

@@ -7,9 +7,12 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::{NodeContent, Place};
 use crumple_proto::mesh::{MeshElement, Shape};
+use std::collections::BTreeSet;
 
 /// Keywords of the laws.
-const LAWS: [&str; 2] = ["MAT_LINEAR_ELASTIC_DISCRETE_BEAM", "MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM"];
+const LAWS: [&str; 3] = [LINEAR, "MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM", GENERAL];
+const LINEAR: &str = "MAT_LINEAR_ELASTIC_DISCRETE_BEAM";
+const GENERAL: &str = "MAT_GENERAL_SPRING_DISCRETE_BEAM";
 
 /// Axes of the job, with the fields of stiffness and damping and those of their curves.
 const AXES: [(&str, [&str; 2], [&str; 2]); 6] = [
@@ -54,7 +57,7 @@ impl DeckConverter {
         }
         let Some(law) = self.discrete_beam_laws.get(&mid).cloned() else {
             let known: Vec<String> = self.discrete_beam_laws.keys().map(i64::to_string).collect();
-            let what = "*MAT_..._DISCRETE_BEAM of the kinds 66 and 67";
+            let what = "*MAT_..._DISCRETE_BEAM of the kinds 66, 67 and 196";
             return self.missing(record.place("mid"), what, mid, &known);
         };
         let (ro, vol) = (law.real("ro"), card.real("vol"));
@@ -74,8 +77,10 @@ impl DeckConverter {
                 }
             }
         }
-        let springs: Vec<JobTable> =
-            AXES.iter().filter_map(|axis| self.axis_spring(&law, axis)).collect();
+        let springs: Vec<JobTable> = match law.row.keyword.name {
+            GENERAL => self.springs_by_cards(&law),
+            _ => AXES.iter().filter_map(|axis| self.axis_spring(&law, axis)).collect(),
+        };
         let used = format!("discrete beams with springs on {} axes", springs.len());
         self.map(format!("part {pid}"), format!("beams, elform 6, {}", law.name()), used);
         table.put("spring", law.head, springs);
@@ -112,7 +117,7 @@ impl DeckConverter {
             any = true;
             own.put(key, place, value);
         };
-        if law.row.keyword.name == LAWS[0] {
+        if law.row.keyword.name == LINEAR {
             for (field, key) in fields.into_iter().zip(["stiffness", "damping"]) {
                 if law.real(field) != 0.0 {
                     put(key, law.place(field), law.real(field).into());
@@ -124,20 +129,77 @@ impl DeckConverter {
                 if id == 0 {
                     continue;
                 }
-                let Some(curve) = self.curve(id, law.place(field)) else { continue };
-                let mut points: Vec<Vec<f64>> = Vec::new();
-                if curve.points.first() == Some(&[0.0, 0.0]) {
-                    let mirrored = curve.points[1..].iter().rev().map(|p| vec![-p[0], -p[1]]);
-                    points.extend(mirrored);
-                    let asked = format!("curve {id} begins at the origin");
-                    self.map(law.name(), asked, "the same in both directions");
+                if let Some((place, points)) = self.force_curve(law, (id, law.place(field))) {
+                    put(key, place, points);
                 }
-                points.extend(curve.points.iter().map(|p| p.to_vec()));
-                put(key, curve.place, points.into());
             }
         }
         let at = law.head;
         any.then(|| own.with("axis", at, axis))
+    }
+
+    /// Returns the points of a curve of forces, with its place. One that begins at the origin acts
+    /// alike in both directions.
+    fn force_curve(
+        &mut self,
+        law: &CardRecord,
+        (id, place): (i64, Place),
+    ) -> Option<(Place, NodeContent)> {
+        let curve = self.curve(id, place)?;
+        let mut points: Vec<Vec<f64>> = Vec::new();
+        if curve.points.first() == Some(&[0.0, 0.0]) {
+            let mirrored = curve.points[1..].iter().rev().map(|p| vec![-p[0], -p[1]]);
+            points.extend(mirrored);
+            let asked = format!("curve {id} begins at the origin");
+            self.map(law.name(), asked, "the same in both directions");
+        }
+        points.extend(curve.points.iter().map(|p| p.to_vec()));
+        Some((curve.place, points.into()))
+    }
+
+    /// Returns the springs of a law with a card for each axis.
+    fn springs_by_cards(&mut self, law: &CardRecord) -> Vec<JobTable> {
+        let [cards, curves] =
+            ["dof", "flcid"].map(|field| law.lines(field).cloned().collect::<Vec<_>>());
+        let mut springs: Vec<JobTable> = Vec::new();
+        let mut seen = BTreeSet::new();
+        for (card, more) in cards.iter().zip(&curves) {
+            let (dof, place) = (card.integer("dof"), card.place("dof"));
+            // Cards at the end may be left out.
+            if dof == 0 {
+                continue;
+            }
+            let axis = usize::try_from(dof - 1).ok().and_then(|axis| AXES.get(axis));
+            let Some(&(axis, ..)) = axis.filter(|_| seen.insert(dof)) else {
+                let message = format!("{}: `dof` is {dof}", law.name());
+                let help = "give each of 1 to 6 once: along r, s, t, then about them";
+                self.trouble.error(place, message, help);
+                continue;
+            };
+            if card.integer("type") != 0 {
+                let message = format!(
+                    "{}: `type` is {}: springs that yield are not supported",
+                    law.name(),
+                    card.integer("type")
+                );
+                self.unsupported(card.place("type"), message, format!("{} type", law.name()));
+                continue;
+            }
+            let mut own = JobTable::new(law.head).with("axis", place, axis);
+            match more.integer("flcid") {
+                0 => own.put("stiffness", card.place("k"), card.real("k")),
+                id => {
+                    let curve = self.force_curve(law, (id, more.place("flcid")));
+                    let Some((at, points)) = curve else { continue };
+                    own.put("force_elongation", at, points);
+                }
+            }
+            if card.real("d") != 0.0 {
+                own.put("damping", card.place("d"), card.real("d"));
+            }
+            springs.push(own);
+        }
+        springs
     }
 
     /// Makes a beam of a part of discrete beams two nodes with a spring between them. Returns true

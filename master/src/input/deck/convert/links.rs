@@ -38,10 +38,12 @@ struct NodesOfBody {
 impl DeckConverter {
     /// Connects nodes without elements that carry something to their rigid body.
     pub(super) fn links(&mut self) {
-        let mut laden = self.laden_nodes();
-        self.read_inertias();
         let connected: BTreeSet<NodeId> = self.rows.nodes_of(|_| true).into_iter().collect();
-        laden.retain(|node, _| !connected.contains(node));
+        let mut laden = self.laden_nodes(&connected);
+        self.read_inertias();
+        // Nodes of elements that are left out go with them.
+        let lost = self.rows.lost_nodes();
+        laden.retain(|node, _| !connected.contains(node) && !lost.contains(node));
         if laden.is_empty() {
             return;
         }
@@ -76,8 +78,8 @@ impl DeckConverter {
     }
 
     /// Returns the nodes to which the deck gives a mass, an inertia, a load or a history, with the
-    /// place of the first of these.
-    fn laden_nodes(&self) -> BTreeMap<NodeId, Place> {
+    /// place of one of these. Of a set only its nodes with elements count, if it has any.
+    fn laden_nodes(&self, connected: &BTreeSet<NodeId>) -> BTreeMap<NodeId, Place> {
         let mut found = BTreeMap::new();
         let records = |keyword: &str| self.records.get(keyword).into_iter().flatten();
         for (keyword, fields) in LADEN_NODES {
@@ -90,8 +92,10 @@ impl DeckConverter {
         }
         for (keyword, field) in LADEN_SETS {
             for (number, place) in records(keyword).flat_map(|record| numbers(record, field)) {
-                let nodes = self.node_sets.get(&number).into_iter().flat_map(|set| &set.0);
-                found.extend(nodes.map(|&node| (node, place)));
+                let nodes = self.node_sets.get(&number).map_or(&[][..], |set| &set.0);
+                if nodes.iter().all(|node| !connected.contains(node)) {
+                    found.extend(nodes.iter().map(|&node| (node, place)));
+                }
             }
         }
         found

@@ -156,6 +156,7 @@ pub const KEYWORDS: &[Keyword] = &[
          with PENALTY",
     )
     .unused(&[
+        no_effect("coupid", "couplings are numbered in the order of the deck"),
         ignored("ncoup xint", "the nodes of beams are tied, not points between them"),
         no_effect("pssf", "ties are exact: there is no penalty"),
         no_effect("unused", "no field of the format"),
@@ -176,6 +177,7 @@ pub const KEYWORDS: &[Keyword] = &[
          coupling to fluids, which is not supported",
     )
     .unused(&[
+        no_effect("coupid", "couplings are numbered in the order of the deck"),
         no_effect("nquad", "nodes are tied"),
         no_effect("direc mcoup", "all displacements are tied"),
         no_effect(

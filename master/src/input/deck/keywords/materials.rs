@@ -359,6 +359,36 @@ pub const KEYWORDS: &[Keyword] = &[
             "failure of discrete beams",
         ),
     ]),
+    spring(
+        "MAT_GENERAL_SPRING_DISCRETE_BEAM",
+        &["MAT_196"],
+        &[
+            SPRING_TITLE,
+            ("mid:i! ro:r! unused1:r unused2:r unused3:r unused4:r mdfail:i dospot:i", Once),
+            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
+            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
+            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
+            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
+            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
+            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
+            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
+            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
+            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
+            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
+            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
+            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
+        ],
+        "the same with a card for each axis (dof 1 to 6): type 0, with the stiffness k or the curve \
+         flcid, as of MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM, and the damping d; type 1 (plastic) is \
+         not supported",
+    )
+    .unused(&[
+        no_effect("unused1 unused2 unused3 unused4", "no field of the format"),
+        no_effect("mdfail dospot", "they are for failure"),
+        refused("cdf tdf", "failure of discrete beams"),
+        refused("hlcid c1 c2 glcid", "forces that depend on the rate of the displacement"),
+        no_effect("dle", "it is for c1 and c2"),
+    ]),
     Keyword::new(
         "MAT_SPOTWELD",
         &[

@@ -23,7 +23,8 @@ const ROOM: f64 = 300.0;
 const STRAIGHT: f64 = 1.0;
 
 /// Names of the keywords of materials.
-const KEYWORDS: [&str; 5] = ["/MAT/LAW0", "/MAT/LAW1", "/MAT/LAW2", "/MAT/LAW36", "/MAT/LAW44"];
+const KEYWORDS: [&str; 6] =
+    ["/MAT/LAW0", "/MAT/LAW1", "/MAT/LAW2", "/MAT/LAW36", "/MAT/LAW42", "/MAT/LAW44"];
 
 impl StarterConverter {
     /// Returns all materials by id.
@@ -37,13 +38,17 @@ impl StarterConverter {
             let title = record.word("title").to_string();
             let is_taken = title.is_empty() || found.values().any(|m| m.name == title);
             let name = if is_taken { format!("mat-{id}") } else { title };
-            let (mut table, youngs_modulus) = elastic(&record, &name);
             let keyword = record.row.keyword.name;
+            let (mut table, youngs_modulus) = match keyword {
+                "/MAT/LAW42" => ogden(&record, &name),
+                _ => elastic(&record, &name),
+            };
             let skin = keyword == "/MAT/LAW0";
             match keyword {
                 "/MAT/LAW2" => self.johnson_cook(&record, failures.get(&id), &mut table),
                 "/MAT/LAW36" => self.yield_table(&record, &mut table),
                 "/MAT/LAW44" => self.cowper_symonds(&record, &mut table),
+                "/MAT/LAW42" => {}
                 _ => table.put("law", record.head, "elastic"),
             }
             if let (Some(failure), true) = (failures.get(&id), keyword != "/MAT/LAW2") {
@@ -54,7 +59,7 @@ impl StarterConverter {
                 self.largest_strain(limits, &mut table);
             }
             match parabolas.get(&id) {
-                Some(card) if !matches!(keyword, "/MAT/LAW0" | "/MAT/LAW1") => {
+                Some(card) if !matches!(keyword, "/MAT/LAW0" | "/MAT/LAW1" | "/MAT/LAW42") => {
                     self.biquad(card, &mut table);
                 }
                 Some(card) => {
@@ -399,6 +404,29 @@ fn fail(record: &CardRecord, table: &mut JobTable) {
     if strain > 0.0 && strain < NONE {
         table.put("failure_strain", record.place("epsmax"), strain);
     }
+}
+
+/// Returns the table of a rubber of Ogden, and its Young's modulus at the start.
+fn ogden(record: &CardRecord, name: &str) -> (JobTable, f64) {
+    let all = |fields: [&str; 2]| -> Vec<f64> {
+        let of = |field| record.line(field).map(|line| line.reals(field)).unwrap_or_default();
+        fields.map(of).concat()
+    };
+    let terms: Vec<Vec<f64>> = all(["mu", "moremu"])
+        .into_iter()
+        .zip(all(["alpha", "morealpha"]))
+        .filter(|(mu, _)| *mu != 0.0)
+        .map(|(mu, alpha)| vec![mu, alpha])
+        .collect();
+    let shear: f64 = terms.iter().map(|term| 0.5 * term[0] * term[1]).sum();
+    let nu = record.real_or("nu", 0.495);
+    let table = JobTable::new(record.head)
+        .with("name", record.place("title"), name)
+        .with("law", record.head, "ogden")
+        .with("density", record.place("rho"), record.real("rho"))
+        .with("poisson", record.place("nu"), nu)
+        .with("terms", record.place("mu"), terms);
+    (table, 2.0 * shear * (1.0 + nu))
 }
 
 /// Converts name, density and elastic constants; also returns Young's modulus [force/length^2].

@@ -121,6 +121,29 @@ pub const KEYWORDS: &[Keyword] = &[
         no_effect("fscalep", "it scales that function"),
     ]),
     Keyword::new(
+        "/MAT/LAW42",
+        &[
+            TITLE,
+            DENSITY,
+            ("nu:r20=0.495 sigcut:r20 blank:a10 fctbulk:i fscalebulk:r20=1 m:i iform:i", Once),
+            ("mu:r20*5", Once),
+            ("moremu:r20*5", Once),
+            ("alpha:r20*5", Once),
+            ("morealpha:r20*5", Maybe),
+        ],
+        "law `ogden` of solids with the terms mu and alpha of the same sign. The energy of the \
+         volume is `K (J - 1 - ln J)`; that of iform 1 is the same for small changes of the volume",
+    )
+    .aliases(&["/MAT/OGDEN"])
+    .unused(&[
+        REFERENCE,
+        refused("sigcut", "a largest tensile stress"),
+        refused("fctbulk", "a bulk modulus that depends on the volume"),
+        no_effect("fscalebulk", "it scales that function"),
+        refused("m", "relaxation of the stress"),
+        ignored("iform", "the energy of the volume has one form"),
+    ]),
+    Keyword::new(
         "/FAIL/JOHNSON",
         &[
             ("d1:r20 d2:r20 d3:r20 d4:r20 d5:r20", Once),
@@ -173,7 +196,6 @@ pub const KEYWORDS: &[Keyword] = &[
     not_yet("/MAT/PLAS_ZERIL", "the law of Zerilli and Armstrong; use /MAT/LAW2 or /MAT/LAW44"),
     not_yet("/MAT/LAW3", "hydrodynamic plasticity").aliases(&["/MAT/HYDPLA"]),
     not_yet("/MAT/LAW27", "brittle plasticity").aliases(&["/MAT/PLAS_BRIT"]),
-    not_yet("/MAT/LAW42", "rubber").aliases(&["/MAT/OGDEN"]),
     not_yet("/MAT/LAW70", "foam").aliases(&["/MAT/FOAM_TAB"]),
     not_yet("/MAT/LAW13", "rigid materials; use /RBODY").aliases(&["/MAT/RIGID"]),
 ];
