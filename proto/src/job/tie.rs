@@ -30,9 +30,10 @@ pub struct TieInput {
     #[serde(default)]
     pub faces: Option<String>,
     /// The nodes are tied to the solids of `parts` in which they are, not to a surface, as
-    /// reinforcement is in concrete. Each has the displacement of its solid at its place. A node
-    /// outside by more than `tolerance`, by default a thousandth of the diagonal of the box around
-    /// the solid, is not tied. Nodes that these solids have themselves are left out.
+    /// reinforcement is in concrete. Each has the displacement of its solid at its place, in a
+    /// tetrahedron of ten nodes that of its corners. A node outside by more than `tolerance`, by
+    /// default a thousandth of the diagonal of the box around the solid, is not tied. Nodes that
+    /// these solids have themselves are left out.
     #[serde(default)]
     pub inside: bool,
     /// Id of a single master node, instead of a surface. The slaves have its displacements at any

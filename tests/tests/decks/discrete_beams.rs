@@ -52,7 +52,7 @@ fn cards_become_discrete_beams() {
 #[test]
 fn laws_with_a_card_for_each_axis_become_springs() {
     let general = "*MAT_GENERAL_SPRING_DISCRETE_BEAM\n66,4.0e-3\n1,0,0.5,0.125\n\n\
-                   3,0,0.25\n\n5,0,9.0\n5\n*MAT_196\n67,8.0e-3\n5,0,2.0\n\n\
+                   3,0,0.25\n\n5,0,9.0\n5\n*MAT_196\n67,8.0e-3\n5,0,2.0\n\
                    *DEFINE_CURVE\n5\n0.0,0.0\n1.0,0.5\n2.0,0.75\n";
     let model = with(&format!("{PARTS}{general}"));
     let first = beam(&model, 3);
@@ -64,7 +64,7 @@ fn laws_with_a_card_for_each_axis_become_springs() {
     assert_eq!(beam(&model, 4).spring[0].axis, BeamAxis::Rs);
 
     let wrong = general.replace("1,0,0.5,0.125", "7,0,0.5").replace("3,0,0.25", "3,1,0.25");
-    let wrong = wrong.replace("5,0,2.0\n\n", "5,0,2.0,0.0,-1.0\n0,5\n");
+    let wrong = wrong.replace("5,0,2.0\n", "5,0,2.0,0.0,-1.0\n0,5\n");
     let said = refused(&format!("{PARTS}{wrong}"));
     for words in [
         "`dof` is 7",

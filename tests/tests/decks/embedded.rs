@@ -4,7 +4,10 @@
 use crate::base::{assert_refused, assert_same_when_written, model_of};
 use crumple::input::job::Model;
 use crumple_proto::ids::NodeId;
+use crumple_proto::tie::Tie;
+use crumple_tests::program::{crumple_with, run};
 use crumple_tests::run_alone;
+use std::fs;
 
 /// Area [mm^2] and Young's modulus [GPa] of the truss.
 const AREA: f64 = 4.0;
@@ -123,6 +126,41 @@ fn both_keywords_give_the_same() {
     assert_eq!(model_of(&bar(&penalty)).settings.ties, new);
 }
 
+/// Bars in two parts, each with a card: every node is tied to the solid around it, also on a plane
+/// of symmetry. Any number of workers gives the same bits.
+#[test]
+fn beams_pass_through_several_parts() {
+    let split = bar("").replace("\n3,1,9,", "\n3,3,9,").replace("\n4,1,13,", "\n4,3,13,");
+    let split = split.replace("steel\n2,2,2\n", "steel\n2,2,2\nother\n3,1,1\n");
+    let cards = "*CONSTRAINED_BEAM_IN_SOLID\n2,1,1,1\n\n2,3,1,1\n\n";
+    let text = format!("{split}{PULLED}{cards}");
+    let model = model_of(&text);
+    let first_master = |tie: &Tie| tie.masters[0].0.0;
+    let ties = &model.settings.ties;
+    assert_eq!(ties.iter().map(first_master).collect::<Vec<_>>(), [1, 5, 5, 9, 13]);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bar.k");
+    fs::write(&path, format!("{text}*END\n")).unwrap();
+    let digest = |workers: &str| {
+        let deck = path.to_str().unwrap();
+        let fields = ["--set", "output.field_interval=-1"];
+        let args = [&["run", deck, "--workers", workers, "--no-report"][..], &fields].concat();
+        run(crumple_with(&args)).with_code(0).digest()
+    };
+    assert_eq!(digest("1"), digest("3"));
+
+    let mut plane = text.replace(",3.0,6.0\n", ",1e-7,6.0\n");
+    // The corners with y = 0 are the first and the fourth of each layer.
+    let on_plane = |id: u64| id % 4 <= 1;
+    for id in (5..=20).filter(|id| on_plane(*id)).chain(101..=105) {
+        plane += &format!("*BOUNDARY_SPC_NODE\n{id},0,0,1,0\n");
+    }
+    let ties = model_of(&plane).settings.ties;
+    let masters = || ties.iter().flat_map(|tie| &tie.masters);
+    assert!(ties.len() == 5 && masters().all(|(id, _)| on_plane(id.0)), "{ties:?}");
+}
+
 /// A node outside of the solids is not tied and is named; nothing inside is an error, and so are
 /// fields without a meaning here.
 #[test]
@@ -130,10 +168,10 @@ fn what_cannot_be_coupled_is_named() {
     let outside = bar(COUPLED).replace("105,34.5,3.0,6.0", "105,34.5,3.0,10.5");
     let model = model_of(&outside);
     assert_eq!(model.settings.ties.len(), 4);
-    let words = "1 of 5 nodes are not in its solids and are not tied: 105";
+    let words = "1 of 5 nodes are not in a solid of its parts and it does not tie them: 105";
     assert!(model.warnings.iter().any(|w| w.message.contains(words)), "{:?}", model.warnings);
     let away = bar(COUPLED).replace(",3.0,6.0\n", ",3.0,16.0\n");
-    assert_refused(&away, &["rebar", "none of its 5 nodes is in its solids"]);
+    assert_refused(&away, &["rebar", "none of its 5 nodes is in a solid of its parts"]);
     let refused = |card: &str, words: &str| {
         assert_refused(&bar(&format!("*CONSTRAINED_BEAM_IN_SOLID\n{card}")), &[words]);
     };

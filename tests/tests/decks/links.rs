@@ -64,11 +64,20 @@ fn a_node_without_elements_moves_with_its_body() {
     assert!((body.last_spin - expected).norm() < 1e-4 * expected.norm(), "{}", body.last_spin);
 }
 
-/// The inertia of a node of a rigid part adds to that of its card, and a written deck has it.
+/// Decks that are written have the inertias of the nodes of two bodies, one of which has an inertia
+/// of its own.
 #[test]
 fn inertias_of_nodes_are_written_to_decks() {
-    let deck = format!("{BASE}{STEEL}{MOVES}{BODY}{MASS}{INERTIA}");
+    let rigid = BASE.replace("cube\n2,2,1\n", "");
+    let cube = "*MAT_RIGID\n2,7.85e-6,207.0,0.3\n*PART_INERTIA\ncube\n2,2,2\n\
+                5.0,5.0,5.0,0.02\n0.5,0.0,0.0,0.5,0.0,0.5\n0.0,0.0,0.0\n\
+                *ELEMENT_INERTIA\n2,3\n0.1,0,0,0.2,0,0.3\n";
+    let deck = format!("{rigid}{STEEL}{MOVES}{cube}{BODY}{MASS}{INERTIA}");
     assert_same_when_written(&deck, "end_time=0.02", "*ELEMENT_INERTIA");
+    let end = run_alone(&model_of(&deck.replace("\n10.0\n", "\n0.001\n")), |_| {});
+    let body = end.constraints.bodies.bodies.iter().find(|body| body.mass == 0.02);
+    let moments = body.expect("the cube").inertia.diagonal();
+    assert!((moments - nalgebra::Vector3::new(0.6, 0.7, 0.8)).norm() < 1e-12, "{moments}");
 }
 
 /// Inertias that the engine does not have are errors at their lines.

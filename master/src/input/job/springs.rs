@@ -246,8 +246,8 @@ impl Masses<'_> {
                 found.len(),
                 self.mesh.nodes[first].id
             );
-            let help = "put the node into a [[rigid]] body for the whole run, with `inertia` if \
-                        its nodes lie on a line, or fix its rotations";
+            let help = "put the node into a [[rigid]] body for the whole run, with `inertia` or \
+                        `added_inertia` if its nodes lie on a line, or fix its rotations";
             findings.add(Problem::error("mesh", message, help));
         }
     }
@@ -385,6 +385,9 @@ impl BodyMass {
                 let of = [y * y + z * z, z * z + x * x, x * x + y * y, -x * y, -y * z, -z * x];
                 moments.iter_mut().zip(of).for_each(|(j, of)| *j += m * of);
             }
+        }
+        if let Some(added) = body.added_inertia {
+            moments.iter_mut().zip(added).for_each(|(j, of)| *j += of);
         }
         // The product of the other two moments is at most the square of half the trace.
         let [xx, yy, zz, xy, yz, zx] = moments;

@@ -98,6 +98,11 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Resolv
     }
     drop(context);
     projected.sort_by_key(|s| (s.tie.node, s.entry));
+    // The first of several entries with a solid around a node counts.
+    let is_inside = |s: &Projected| job.tie[s.entry].inside;
+    projected.dedup_by(|later, first| {
+        later.tie.node == first.tie.node && is_inside(later) && is_inside(first)
+    });
     for pair in projected.windows(2).filter(|pair| pair[0].tie.node == pair[1].tie.node) {
         let message = format!(
             "node {} is tied twice: by {} and {}",
@@ -187,7 +192,7 @@ fn tied_nodes(
         return mean::to_mean(spec, set, entry, nodes.unwrap_or_default(), context, findings);
     }
     if spec.inside {
-        let nodes = nodes.unwrap_or_default();
+        let Some(nodes) = nodes else { return Vec::new() };
         return inside::to_solids(spec, entry, &nodes, context, findings);
     }
     let surface = TieSurface::new(spec, entry, context, nodes.is_some(), findings);
@@ -254,10 +259,10 @@ fn to_node(
     let mut wrong = |key: &str, message: String, help: &str| {
         findings.add(Problem::error(format!("tie.{entry}.{key}"), message, help));
     };
-    if !spec.parts.is_empty() || spec.faces.is_some() || spec.offset {
+    if !spec.parts.is_empty() || spec.faces.is_some() || spec.offset || spec.inside {
         wrong(
             "node",
-            "a tie with a `node` also has `parts`, `faces` or `offset`".into(),
+            "a tie with a `node` also has `parts`, `faces`, `offset` or `inside`".into(),
             "remove them: a tie to a node has no surface",
         );
     }
@@ -310,6 +315,9 @@ fn report_lost(
     (lost, count): (&[NodeId], usize),
     findings: &mut JobProblems,
 ) {
+    if lost.is_empty() {
+        return;
+    }
     let path = format!("tie.{entry}.nodes");
     let help = "give a larger `tolerance`, or remove them from the set";
     if lost.len() == count {
@@ -318,9 +326,9 @@ fn report_lost(
             true => Problem::warning(path, message, "if this is meant, remove the tie"),
             false => Problem::error(path, message, help),
         });
-    } else if !lost.is_empty() {
+    } else {
         let message = format!(
-            "{}: {} of {count} nodes are not {place} and are not tied: {}",
+            "{}: {} of {count} nodes are not {place} and it does not tie them: {}",
             name(job, entry),
             lost.len(),
             named(lost)
@@ -333,9 +341,9 @@ fn report_moved(job: &Job, entry: usize, projected: &[Projected], findings: &mut
     let moved: Vec<&Projected> =
         projected.iter().filter(|s| s.entry == entry && s.moved > WARN_MOVE).collect();
     let Some(most) = moved.iter().max_by(|a, b| a.moved.total_cmp(&b.moved)) else { return };
+    let of = if job.tie[entry].inside { "box around its solid" } else { "its face" };
     let message = format!(
-        "{}: {} nodes are moved onto its surface; node {} most, by {:.1} % of the diagonal of its \
-         face",
+        "{}: {} nodes are moved onto its surface; node {} most, by {:.1} % of the diagonal of {of}",
         name(job, entry),
         moved.len(),
         most.tie.node,

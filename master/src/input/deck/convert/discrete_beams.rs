@@ -163,7 +163,7 @@ impl DeckConverter {
             ["dof", "flcid"].map(|field| law.lines(field).cloned().collect::<Vec<_>>());
         let mut springs: Vec<JobTable> = Vec::new();
         let mut seen = BTreeSet::new();
-        for (card, more) in cards.iter().zip(&curves) {
+        for (k, card) in cards.iter().enumerate() {
             let (dof, place) = (card.integer("dof"), card.place("dof"));
             // Cards at the end may be left out.
             if dof == 0 {
@@ -186,11 +186,12 @@ impl DeckConverter {
                 continue;
             }
             let mut own = JobTable::new(law.head).with("axis", place, axis);
-            match more.integer("flcid") {
-                0 => own.put("stiffness", card.place("k"), card.real("k")),
-                id => {
-                    let curve = self.force_curve(law, (id, more.place("flcid")));
-                    let Some((at, points)) = curve else { continue };
+            // The last card may be left out.
+            let more = curves.get(k).map(|more| (more.integer("flcid"), more.place("flcid")));
+            match more.filter(|(id, _)| *id != 0) {
+                None => own.put("stiffness", card.place("k"), card.real("k")),
+                Some(curve) => {
+                    let Some((at, points)) = self.force_curve(law, curve) else { continue };
                     own.put("force_elongation", at, points);
                 }
             }

@@ -44,14 +44,9 @@ impl DeckConverter {
         // Nodes of elements that are left out go with them.
         let lost = self.rows.lost_nodes();
         laden.retain(|node, _| !connected.contains(node) && !lost.contains(node));
-        if laden.is_empty() {
-            return;
-        }
-        let mut next = self.rows.elements().map(|e| e.id.0).max().unwrap_or(0);
-        let of_parts = self.parts.keys().copied().max().unwrap_or(0);
-        let of_elements = self.rows.elements().map(|e| i64::from(e.part)).max().unwrap_or(0);
-        let pid = of_parts.max(of_elements).saturating_add(1);
-        let Ok(part) = u32::try_from(pid) else { return };
+        let Some(&place) = laden.values().next() else { return };
+        let Some(part) = self.free_part(place) else { return };
+        let (pid, mut next) = (i64::from(part), self.largest_element());
         let mut linked = Vec::new();
         for body in self.nodes_of_bodies() {
             for &node in &body.nodes {
@@ -75,6 +70,26 @@ impl DeckConverter {
             format!("{} nodes without elements, the first is {first}", linked.len()),
             format!("springs without force connect them, part {pid} `links`"),
         );
+    }
+
+    /// Returns an id that no part and no body of nodes has. Reports at `place` if there is none.
+    pub(super) fn free_part(&mut self, place: Place) -> Option<u32> {
+        let bodies = self.records.get("CONSTRAINED_NODAL_RIGID_BODY").into_iter().flatten();
+        let ids = bodies.map(|record| record.integer("pid")).chain(self.bodies.keys().copied());
+        let of_elements = self.rows.elements().map(|e| i64::from(e.part));
+        let most = ids.chain(of_elements).chain(self.parts.keys().copied()).max().unwrap_or(0);
+        let free = u32::try_from(most.saturating_add(1)).ok();
+        if free.is_none() {
+            let help = "use smaller part ids: the springs or beams of this card need a part of \
+                        their own, with an id up to 4294967295";
+            self.trouble.error(place, "there is no id left for a part", help);
+        }
+        free
+    }
+
+    /// Returns the largest id of an element.
+    pub(super) fn largest_element(&self) -> u64 {
+        self.rows.elements().map(|e| e.id.0).max().unwrap_or(0)
     }
 
     /// Returns the nodes to which the deck gives a mass, an inertia, a load or a history, with the
@@ -137,10 +152,12 @@ impl DeckConverter {
         connected: &BTreeSet<NodeId>,
     ) -> Option<NodeId> {
         let own = self.rows.at(node)?;
-        let of_part = body.part.map(|part| self.rows.nodes_of(|p| i64::from(p) == part));
+        // Two corners of an element are at different places.
+        let element = self.rows.elements().find(|e| Some(i64::from(e.part)) == body.part);
+        let corners = element.map_or(Vec::new(), |element| element.corners().to_vec());
         let (with, without): (Vec<NodeId>, Vec<NodeId>) =
             body.nodes.iter().copied().partition(|other| connected.contains(other));
-        let mut all = of_part.into_iter().flatten().chain(with).chain(without);
+        let mut all = corners.into_iter().chain(with).chain(without);
         all.find(|&other| self.rows.at(other).is_some_and(|x| x != own))
     }
 
@@ -159,6 +176,9 @@ impl DeckConverter {
                 self.add("mass", table.with("mass", record.place("mass"), record.real("mass")));
             }
             let tensor = ["ixx", "iyy", "izz", "ixy", "iyz", "ixz"].map(|c| record.real(c));
+            if tensor == [0.0; 6] {
+                continue;
+            }
             let sum = self.node_inertias.entry(node).or_insert(([0.0; 6], place));
             (0..6).for_each(|c| sum.0[c] += tensor[c]);
         }

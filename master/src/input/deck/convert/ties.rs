@@ -6,7 +6,7 @@ use super::sets::id;
 use super::tree::JobTable;
 use crate::input::deck::record::{CardLine, CardRecord};
 use crumple_proto::ids::NodeId;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 /// Keywords; true if they tie rotations too.
 const KEYWORDS: [(&str, bool); 4] = [
@@ -56,21 +56,17 @@ impl DeckConverter {
     /// the solids in which they are.
     pub(super) fn embedded(&mut self) {
         let keywords = ["CONSTRAINED_BEAM_IN_SOLID", "CONSTRAINED_LAGRANGE_IN_SOLID"];
-        // A node that two cards tie is tied by the first one.
-        let mut tied: BTreeSet<NodeId> = BTreeSet::new();
-        for (record, number) in self.take_in_order(&keywords).iter().zip(1..) {
-            if let Some(table) = self.embed(record, number, &mut tied) {
+        let records = self.take_in_order(&keywords);
+        for (record, number) in records.iter().zip(1..) {
+            if let Some(mut table) = self.embed(record, number) {
+                // The nodes may be in the solids of another card.
+                table.put("may_be_empty", record.head, records.len() > 1);
                 self.add_tie(record.block, table);
             }
         }
     }
 
-    fn embed(
-        &mut self,
-        record: &CardRecord,
-        number: usize,
-        tied: &mut BTreeSet<NodeId>,
-    ) -> Option<JobTable> {
+    fn embed(&mut self, record: &CardRecord, number: usize) -> Option<JobTable> {
         let of_beams = record.row.keyword.name == "CONSTRAINED_BEAM_IN_SOLID";
         let [inner, outer] = match of_beams {
             true => [("bsid", "bstyp"), ("ssid", "sstyp")],
@@ -112,19 +108,7 @@ impl DeckConverter {
         if beams.is_empty() || solids.is_empty() {
             return None;
         }
-        let own: HashSet<NodeId> =
-            self.rows.nodes_of(|p| solids.contains(&i64::from(p))).into_iter().collect();
-        let mut nodes = self.rows.nodes_of(|p| beams.contains(&i64::from(p)));
-        nodes.retain(|node| !own.contains(node) && tied.insert(*node));
-        if nodes.is_empty() {
-            let message = format!(
-                "{}: all its nodes are tied by another card, or are nodes of \
-                                   the solids",
-                record.name()
-            );
-            self.trouble.warning(record.head, message, "it has no effect");
-            return None;
-        }
+        let nodes = self.rows.nodes_of(|p| beams.contains(&i64::from(p)));
         let set =
             self.rows.add_new_set(&format!("embedded-{number}"), nodes, record.place(inner.0));
         let name = match record.word("heading") {

@@ -167,16 +167,11 @@ impl DeckConverter {
 
     /// Adds a part of beams for each kind.
     fn breaking_welds(&mut self, kinds: BTreeMap<WeldKey, Breaking>) {
-        let mut next = self.rows.elements().map(|e| e.id.0).max().unwrap_or(0);
+        let mut next = self.largest_element();
         for ((_, material), Breaking { limits, links }) in kinds {
             let place = links[0].1;
-            let pid = self.parts.keys().next_back().copied().unwrap_or(0).saturating_add(1);
-            let Ok(part) = u32::try_from(pid) else {
-                let help = "use smaller part ids: a weld that breaks needs its own part, with an \
-                    id up to 4294967295";
-                self.trouble.error(place, "there is no id left for a part", help);
-                continue;
-            };
+            let Some(part) = self.free_part(place) else { continue };
+            let pid = i64::from(part);
             let mut lengths = 0.0;
             for (ends, at) in &links {
                 next += 1;

@@ -291,7 +291,8 @@ fn join(
     if let (Some(added), Some(node)) = (body.added_inertia, first_node(model, body)) {
         let [xx, yy, zz, xy, yz, zx] = added.map(Number);
         deck.keyword("ELEMENT_INERTIA");
-        deck.card(&[Id(1), Id(node)]);
+        let at = model.job.rigid.iter().take_while(|other| other.name != body.name).count();
+        deck.card(&[Id(at as u64 + 1), Id(node)]);
         deck.card(&[xx, xy, zx, yy, yz, zz]);
     }
     let centre = body.centre.map(|centre| ("centre".to_string(), Value::from(centre.to_vec())));

@@ -150,7 +150,7 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             ("coupid:i heading:a70", Count(id)),
             ("bsid:i! ssid:i! bstyp:i sstyp:i unused:i unused:i ncoup:i cdir:i", Once),
-            ("start:r end:r unused:i axfor:i unused:i pssf:r unused:i xint:r", Once),
+            ("start:r end:r unused:i axfor:i unused:i pssf:r unused:i xint:r=1e16", Once),
         ],
         "`[[tie]]` with `inside`: the nodes of the beams follow the solids in which they are, also \
          with PENALTY",
@@ -178,7 +178,7 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[
         no_effect("coupid", "couplings are numbered in the order of the deck"),
-        no_effect("nquad", "nodes are tied"),
+        ignored("nquad", "nodes are tied, not points between them"),
         no_effect("direc mcoup", "all displacements are tied"),
         no_effect(
             "pfac fric frcmin norm normtyp dampfrac k hmin hmax ileak pleak lcidpor nvent iblock",

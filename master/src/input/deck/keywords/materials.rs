@@ -378,9 +378,9 @@ pub const KEYWORDS: &[Keyword] = &[
             ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
             ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
         ],
-        "the same with a card for each axis (dof 1 to 6): type 0, with the stiffness k or the curve \
-         flcid, as of MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM, and the damping d; type 1 (plastic) is \
-         not supported",
+        "the same with a card for each axis (dof 1 to 6): type 0, with the stiffness k or the \
+         curve flcid, as of MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM, and the damping d; type 1 \
+         (plastic) is not supported",
     )
     .unused(&[
         no_effect("unused1 unused2 unused3 unused4", "no field of the format"),

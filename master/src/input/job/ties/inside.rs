@@ -21,9 +21,12 @@ type V3 = Vector3<f64>;
 const OF_BOX: f64 = 1e-3;
 /// Shape value below which it is round-off.
 const NO_SHARE: f64 = 1e-12;
-/// Steps of Newton's method, and the last change of the coordinates after which it ends.
+/// Steps of Newton's method, and the last change of the natural coordinates after which it ends.
 const STEPS: usize = 30;
 const SETTLED: f64 = 1e-12;
+/// Natural coordinates within this distance of a face are on it. So a node on a plane of symmetry
+/// has no masters off the plane.
+const ON_FACE: f64 = 1e-6;
 
 /// A node in a solid.
 struct PointInSolid {
@@ -66,10 +69,16 @@ pub(super) fn to_solids(
         solids.iter().flat_map(|&i| mesh.elements[i].corners()).copied().collect();
     let nodes: Vec<usize> =
         nodes.iter().copied().filter(|&n| !own.contains(&mesh.nodes[n].id)).collect();
+    if nodes.is_empty() {
+        let message = format!("{}: all its nodes belong to its solids", name(job, entry));
+        let help = "if this is meant, remove the tie: they have the motion of the solids already";
+        findings.add(Problem::warning(format!("tie.{entry}.nodes"), message, help));
+        return Vec::new();
+    }
     let found = locate(spec.tolerance, &solids, &nodes, context);
     let lost = (0..nodes.len()).filter(|&p| found[p].is_none());
     let lost: Vec<NodeId> = lost.map(|p| mesh.nodes[nodes[p]].id).collect();
-    super::report_lost(job, (entry, "in its solids"), (&lost, nodes.len()), findings);
+    super::report_lost(job, (entry, "in a solid of its parts"), (&lost, nodes.len()), findings);
     let tied = |(&node, found): (&usize, Option<PointInSolid>)| {
         let found = found?;
         let element = &mesh.elements[found.element];
@@ -130,10 +139,8 @@ fn locate(
         let element = &mesh.elements[solids[solid]];
         let corners: Vec<V3> =
             element.corners().iter().map(|&id| context.place(id).into()).collect();
-        let Some((shape, point)) = nearest(element.shape, &corners, points[p].into()) else {
-            return;
-        };
-        let distance = (point - V3::from(points[p])).norm();
+        let found_here = nearest(element.shape, &corners, points[p].into());
+        let Some((shape, point, distance)) = found_here else { return };
         let is_nearer = found[p]
             .as_ref()
             .is_none_or(|old| (distance, solids[solid]) < (old.distance, old.element));
@@ -163,12 +170,17 @@ fn shape_at(shape: Shape, [a, b, c]: [f64; 3]) -> Vec<f64> {
     }
 }
 
-/// Returns the natural coordinates within a solid that are nearest to the given ones.
+/// Returns natural coordinates limited to those of a solid; those that are almost on a face are on
+/// it.
 fn within(shape: Shape, [a, b, c]: [f64; 3]) -> [f64; 3] {
+    let limited = |x: f64| match x.abs() > 1.0 - ON_FACE {
+        true => x.signum(),
+        false => x,
+    };
     let simplex = |list: &mut [f64]| {
-        list.iter_mut().for_each(|x| *x = x.max(0.0));
+        list.iter_mut().filter(|x| **x < ON_FACE).for_each(|x| *x = 0.0);
         let sum: f64 = list.iter().sum();
-        if sum > 1.0 {
+        if sum > 1.0 - ON_FACE {
             list.iter_mut().for_each(|x| *x /= sum);
         }
     };
@@ -181,17 +193,19 @@ fn within(shape: Shape, [a, b, c]: [f64; 3]) -> [f64; 3] {
         Shape::Wedge6 => {
             let mut triangle = [a, b];
             simplex(&mut triangle);
-            [triangle[0], triangle[1], c.clamp(-1.0, 1.0)]
+            [triangle[0], triangle[1], limited(c)]
         }
-        _ => [a, b, c].map(|x| x.clamp(-1.0, 1.0)),
+        _ => [a, b, c].map(limited),
     }
 }
 
-/// Returns the shape functions and the place of the point of a solid at the natural coordinates of
-/// a point, which are moved into the solid; `None` if they are not found.
-fn nearest(shape: Shape, corners: &[V3], point: V3) -> Option<(Vec<f64>, V3)> {
+/// Returns the shape functions at a point in a solid, the point and the distance 0; for a point
+/// outside those at its natural coordinates limited to the solid, which is near the nearest point.
+/// `None` if there are no natural coordinates.
+fn nearest(shape: Shape, corners: &[V3], point: V3) -> Option<(Vec<f64>, V3, f64)> {
+    // From the point, so that round-off is that of the solid's size.
     let place = |natural: [f64; 3]| -> V3 {
-        shape_at(shape, natural).iter().zip(corners).map(|(n, x)| x * *n).sum()
+        shape_at(shape, natural).iter().zip(corners).map(|(n, x)| (x - point) * *n).sum()
     };
     let mut natural = match shape {
         Shape::Tet4 | Shape::Tet10 => [0.25; 3],
@@ -207,11 +221,16 @@ fn nearest(shape: Shape, corners: &[V3], point: V3) -> Option<(Vec<f64>, V3)> {
             place(above) - place(below)
         };
         let jacobian = Matrix3::from_columns(&[slope(0), slope(1), slope(2)]);
-        let change = jacobian.lu().solve(&(point - place(natural)))?;
+        let change = jacobian.lu().solve(&-place(natural))?;
         (0..3).for_each(|k| natural[k] += change[k]);
         if change.amax() < SETTLED {
-            let inside = within(shape, natural);
-            return Some((shape_at(shape, inside), place(inside)));
+            let limited = within(shape, natural);
+            let values = shape_at(shape, limited);
+            let moved = (0..3).map(|k| (limited[k] - natural[k]).abs()).fold(0.0, f64::max);
+            return Some(match moved > ON_FACE {
+                true => (values, point + place(limited), place(limited).norm()),
+                false => (values, point, 0.0),
+            });
         }
     }
     None
@@ -256,18 +275,32 @@ mod tests {
                 shape_at(shape, natural).iter().zip(&corners).map(|(n, x)| x * *n).sum()
             };
             let inside = [0.3, 0.4, 0.2];
-            let (found, point) = nearest(shape, &corners, at(inside)).expect("inside");
+            let (found, point, distance) = nearest(shape, &corners, at(inside)).expect("inside");
             let expected = shape_at(shape, inside);
+            assert_eq!((point, distance), (at(inside), 0.0));
             for (a, b) in found.iter().zip(&expected) {
                 assert!((a - b).abs() < 1e-12, "{shape:?}: {found:?} {expected:?}");
             }
             assert!((found.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            assert!((point - at(inside)).norm() < 1e-12);
-            // Below the first face of a hexahedron or wedge, or beyond a tetrahedron's edge.
-            let (found, point) = nearest(shape, &corners, at([-0.1, 0.4, -1.2])).expect("outside");
+            // Far from the origin round-off of coordinates is larger than that of the solid.
+            let far = V3::new(1e5, -2e5, 3e5);
+            let moved: Vec<V3> = corners.iter().map(|x| x + far).collect();
+            let (shifted, ..) = nearest(shape, &moved, at(inside) + far).expect("inside");
+            for (a, b) in shifted.iter().zip(&expected) {
+                assert!((a - b).abs() < 1e-9, "{shape:?}: {shifted:?} {expected:?}");
+            }
+            let (found, ..) = nearest(shape, &corners, at([-0.1, 0.4, -1.2])).expect("outside");
             assert!(found.iter().all(|n| *n >= 0.0), "{shape:?}: {found:?}");
-            assert!((point - at([-0.1, 0.4, -1.2])).norm() > 0.01);
         }
+        // Half a side below the first face of a cube, and almost on it.
+        let cube: Vec<V3> = (0..8).map(|k| V3::from(hexahedron[k].map(f64::round))).collect();
+        let square = [0.25, 0.25, 0.25, 0.25, 0.0, 0.0, 0.0, 0.0];
+        let (found, foot, distance) =
+            nearest(Shape::Hex8, &cube, V3::new(1.0, 1.0, -1.0)).expect("outside");
+        assert_eq!((found, foot, distance), (square.to_vec(), V3::new(1.0, 1.0, 0.0), 1.0));
+        let almost = V3::new(1.0, 1.0, 1e-8);
+        let (found, foot, distance) = nearest(Shape::Hex8, &cube, almost).expect("inside");
+        assert_eq!((found, foot, distance), (square.to_vec(), almost, 0.0));
         let flat = vec![V3::zeros(); 8];
         assert!(nearest(Shape::Hex8, &flat, V3::new(1.0, 0.0, 0.0)).is_none());
     }

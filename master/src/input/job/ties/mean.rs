@@ -28,10 +28,10 @@ pub(super) fn to_mean(
         let message = format!("{}: {message}", name(job, entry));
         findings.add(Problem::error(path(key), message, help));
     };
-    if !spec.parts.is_empty() || spec.faces.is_some() || spec.offset {
+    if !spec.parts.is_empty() || spec.faces.is_some() || spec.offset || spec.inside {
         wrong(
             "mean_of",
-            "it has `mean_of` and also `parts`, `faces` or `offset`".into(),
+            "it has `mean_of` and also `parts`, `faces`, `offset` or `inside`".into(),
             "remove them: a tie to a mean motion has no surface, and keeps its distance",
         );
     }

@@ -52,7 +52,7 @@ const TYPES: &[(&str, usize, Cell)] = &[
     ("CAX6", 6, Cell::Other("axisymmetric element", 2)),
     ("CAX8", 8, Cell::Other("axisymmetric element", 2)),
     ("MASS", 1, Cell::Joint("point mass", "point masses: [[mass]]")),
-    ("ROTARYI", 1, Cell::Joint("point inertia", "point inertia: rigid.inertia")),
+    ("ROTARYI", 1, Cell::Joint("point inertia", "point inertia: rigid.added_inertia")),
     ("SPRINGA", 2, Cell::Joint("spring", "springs: mesh.springs of a job with its own mesh")),
     ("SPRING1", 1, Cell::Joint("spring", "springs: mesh.springs of a job with its own mesh")),
     ("SPRING2", 2, Cell::Joint("spring", "springs: mesh.springs of a job with its own mesh")),

@@ -64,7 +64,7 @@ const IGNORED: &[(&str, &str)] = &[
     ("AMPLITUDE", "curves: [[curve]]"),
     ("INITIAL CONDITIONS", "initial values: [[initial_velocity]]"),
     ("MASS", "point masses: [[mass]]"),
-    ("ROTARY INERTIA", "point inertia: rigid.inertia"),
+    ("ROTARY INERTIA", "point inertia: rigid.added_inertia"),
     ("SPRING", "springs: mesh.springs of a job with its own mesh"),
     ("DASHPOT", "dampers: mesh.springs of a job with its own mesh"),
     ("CONNECTOR SECTION", "connectors: [[rigid]] or [[tie]]"),

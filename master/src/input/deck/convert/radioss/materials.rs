@@ -48,7 +48,7 @@ impl StarterConverter {
                 "/MAT/LAW2" => self.johnson_cook(&record, failures.get(&id), &mut table),
                 "/MAT/LAW36" => self.yield_table(&record, &mut table),
                 "/MAT/LAW44" => self.cowper_symonds(&record, &mut table),
-                "/MAT/LAW42" => {}
+                "/MAT/LAW42" => self.volume_energy(&record),
                 _ => table.put("law", record.head, "elastic"),
             }
             if let (Some(failure), true) = (failures.get(&id), keyword != "/MAT/LAW2") {
@@ -103,6 +103,15 @@ impl StarterConverter {
             self.deck.missing(failure.place("id"), "/MAT/...", *id, &known);
         }
         found
+    }
+
+    /// Notes the energy of the volume of a rubber.
+    fn volume_energy(&mut self, record: &CardRecord) {
+        if record.integer("iform") != 2 {
+            let of = format!("{} {}", record.name(), record.integer("id"));
+            let used = "K (J - 1 - ln J), the same for small changes of the volume";
+            self.deck.map(of, "the energy K/2 (J - 1)^2 of the volume", used);
+        }
     }
 
     /// Returns the cards of failure by the id of their material.

@@ -107,6 +107,7 @@ impl StarterWriter<'_> {
                 || t.node.is_some()
                 || t.mean_of.is_some()
                 || t.failure.is_some()
+                || t.inside
                 || t.name.is_empty()
         };
         if ties.iter().any(has_no_card) {

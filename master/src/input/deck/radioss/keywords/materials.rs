@@ -125,14 +125,15 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             TITLE,
             DENSITY,
-            ("nu:r20=0.495 sigcut:r20 blank:a10 fctbulk:i fscalebulk:r20=1 m:i iform:i", Once),
+            ("nu:r20=0.495 sigcut:r20=1e30 blank:a10 fctbulk:i fscalebulk:r20=1 m:i iform:i", Once),
             ("mu:r20*5", Once),
             ("moremu:r20*5", Once),
             ("alpha:r20*5", Once),
             ("morealpha:r20*5", Maybe),
         ],
         "law `ogden` of solids with the terms mu and alpha of the same sign. The energy of the \
-         volume is `K (J - 1 - ln J)`; that of iform 1 is the same for small changes of the volume",
+         volume is `K (J - 1 - ln J)`, that of iform 2; that of iform 1 is the same for small \
+         changes of the volume",
     )
     .aliases(&["/MAT/OGDEN"])
     .unused(&[
@@ -141,7 +142,6 @@ pub const KEYWORDS: &[Keyword] = &[
         refused("fctbulk", "a bulk modulus that depends on the volume"),
         no_effect("fscalebulk", "it scales that function"),
         refused("m", "relaxation of the stress"),
-        ignored("iform", "the energy of the volume has one form"),
     ]),
     Keyword::new(
         "/FAIL/JOHNSON",
