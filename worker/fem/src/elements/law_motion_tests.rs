@@ -151,7 +151,7 @@ fn a_loop_with_shear_gives_no_energy() {
     ];
     let curve: &[&[f64]] = &[&[0.0, 0.0], &[0.1, 2.0], &[0.5, 30.0]];
     let soft = foam(&[], "compression", curve);
-    let rubbers = ["mooney_rivlin", "polynomial_rubber", "ogden", "blatz_ko"];
+    let rubbers = ["mooney_rivlin", "polynomial_rubber", "ogden", "blatz_ko", "tabulated_rubber"];
     let laws = laws_of_solids().into_iter().filter(|law| rubbers.contains(&law.law.as_str()));
     for law in laws.chain([soft]) {
         let [coarse, fine] = [50, 100].map(|steps| {
@@ -309,7 +309,14 @@ fn bulk_viscosity_follows_the_stiffening() {
 #[test]
 fn rubber_and_foam_need_double_precision() {
     for law in laws_of_solids() {
-        let sums = ["mooney_rivlin", "polynomial_rubber", "ogden", "blatz_ko", "low_density_foam"];
+        let sums = [
+            "mooney_rivlin",
+            "polynomial_rubber",
+            "ogden",
+            "blatz_ko",
+            "tabulated_rubber",
+            "low_density_foam",
+        ];
         let (nodes, cells) = block([1, 1, 1], [1.0; 3]);
         let part = solid_part(HourglassForm::Stiffness, None);
         let solids = Solids::new(part, law.clone(), &nodes, &cells);

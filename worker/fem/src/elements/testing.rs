@@ -97,6 +97,10 @@ pub fn laws_of_solids() -> Vec<Material> {
         material
     };
     let nu = ("poisson", 0.3);
+    let test: [[f64; 2]; 21] = std::array::from_fn(|k| {
+        let stretch = 0.5 + 0.05 * k as f64;
+        [stretch - 1.0, if k == 10 { 0.0 } else { 40.0 * (stretch - stretch.powi(-2)) }]
+    });
     let compacted = [
         ("youngs_modulus", 200.0),
         ("poisson", 0.3),
@@ -135,6 +139,8 @@ pub fn laws_of_solids() -> Vec<Material> {
         of("polynomial_rubber", &[nu], &[("coefficients", coefficients)]),
         of("ogden", &[nu], &[("terms", table(&[[60.0, 1.3], [1.0, 5.0], [-4.0, -2.0]]))]),
         of("blatz_ko", &[("shear_modulus", 40.0)], &[]),
+        of("tabulated_rubber", &[("bulk_modulus", 80.0)], &[("curve", table(&test))]),
+        of("tabulated_rubber", &[nu], &[("curve", table(&test))]),
         of("low_density_foam", &hysteresis, &[("compression", table(&curve))]),
         of("low_density_foam", &hysteresis[..1], &[("compression_by_rate", table(&by_rate))]),
         of(

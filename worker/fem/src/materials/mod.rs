@@ -384,6 +384,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     rubber::polynomial::LAW,
     rubber::ogden::LAW,
     rubber::blatz_ko::LAW,
+    rubber::tabulated::LAW,
     fluid::LAW,
     low_density_foam::LAW,
     crushable_foam::LAW,

@@ -11,6 +11,7 @@ pub mod blatz_ko;
 pub mod mooney_rivlin;
 pub mod ogden;
 pub mod polynomial;
+pub mod tabulated;
 
 use super::parameters::Parameters;
 use super::tensor::{Symmetric, deviator, inner, stretch, trace};

@@ -69,6 +69,17 @@ fn closed() -> [Closed; 3] {
     ]
 }
 
+/// The other rubbers: of Blatz and Ko, by a curve, and the foam by a curve.
+fn others() -> [Material; 3] {
+    let points: Vec<[f64; 2]> = (-12..=40)
+        .map(|k| 1.0 + 0.05 * f64::from(k))
+        .map(|l| [l - 1.0, if l == 1.0 { 0.0 } else { 0.8 * (l - l.powi(-2)) }])
+        .collect();
+    let by_curve = |key| material("tabulated_rubber", &[key], &[("curve", table(&points))]);
+    let blatz_ko = material("blatz_ko", &[("shear_modulus", 0.7)], &[]);
+    [blatz_ko, by_curve(("bulk_modulus", 8.0)), by_curve(("poisson", 0.3))]
+}
+
 /// Stress against the closed forms of incompressible rubber, in tension and compression.
 #[test]
 fn nearly_incompressible_rubber_has_the_stress_of_the_closed_forms() {
@@ -151,8 +162,7 @@ fn small_strain_is_linear() {
 /// step, and the stress vanishes where the path began.
 #[test]
 fn a_closed_path_leaves_nothing() {
-    let blatz_ko = material("blatz_ko", &[("shear_modulus", 0.7)], &[]);
-    for mut law in closed().into_iter().map(|closed| closed.law).chain([blatz_ko]) {
+    for mut law in closed().into_iter().map(|closed| closed.law).chain(others()) {
         law.parameters.entry("poisson".into()).and_modify(|nu| *nu = Param::Number(0.45));
         let mut cube = Cube::new(&law);
         let mut noise = Noise(7);
@@ -178,8 +188,7 @@ fn a_closed_path_leaves_nothing() {
 /// deformation.
 #[test]
 fn stiffening_bounds_the_modulus_of_waves() {
-    let blatz_ko = material("blatz_ko", &[("shear_modulus", 0.7)], &[]);
-    for mut law in closed().into_iter().map(|closed| closed.law).chain([blatz_ko]) {
+    for mut law in closed().into_iter().map(|closed| closed.law).chain(others()) {
         law.parameters.entry("poisson".into()).and_modify(|nu| *nu = Param::Number(0.45));
         let elastic = super::super::build_solid(&law).expect("a law").elastic();
         let first = elastic.lame() + 2.0 * elastic.shear_modulus();
