@@ -44,6 +44,7 @@ mod rigid_joints;
 mod rigid_parts;
 mod runs;
 mod sets;
+mod simplified_rubber;
 mod spring_laws;
 mod stops_and_times;
 mod submodels;

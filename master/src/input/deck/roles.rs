@@ -248,6 +248,11 @@ const ROLES: &[(&str, &str)] = &[
     ),
     ("MAT_VISCOELASTIC", "ro=d bulk=p g0=p gi=p beta=w"),
     ("MAT_BLATZ-KO_RUBBER", "ro=d g=p ref=1"),
+    (
+        "MAT_SIMPLIFIED_RUBBER/FOAM",
+        "ro=d km=p mu=1 g=p sigf=p ref=1 prten=1 sgl=l sw=l st=l lctbid=#f:l:f tension=1 rtype=1 \
+         avgopt=t prbeta=1 lcunld=#f:l:f hu=1 shape=1 stol=1 visco=1 hisout=1 gi=p betai=w",
+    ),
     ("MAT_CRUSHABLE_FOAM", "ro=d e=p pr=1 lcid=#f:1:p tsc=p damp=1 model=1"),
     (
         "MAT_LOW_DENSITY_FOAM",

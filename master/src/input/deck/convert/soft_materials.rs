@@ -7,13 +7,14 @@ use crate::input::deck::record::CardRecord;
 use std::collections::HashMap;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 11] = [
+pub const KEYWORDS: [&str; 12] = [
     "MAT_FABRIC",
     "MAT_VISCOELASTIC",
     "MAT_BLATZ-KO_RUBBER",
     "MAT_MOONEY-RIVLIN_RUBBER",
     "MAT_HYPERELASTIC_RUBBER",
     "MAT_OGDEN_RUBBER",
+    "MAT_SIMPLIFIED_RUBBER/FOAM",
     "MAT_LOW_DENSITY_FOAM",
     "MAT_CRUSHABLE_FOAM",
     "MAT_FU_CHANG_FOAM",
@@ -71,6 +72,7 @@ impl DeckConverter {
                 2.0 * (1.0 + record.real("pr")) * 2.0 * (c[0] + c[1])
             }
             "MAT_OGDEN_RUBBER" => self.ogden(record, table),
+            "MAT_SIMPLIFIED_RUBBER/FOAM" => self.simplified_rubber(record, table),
             "MAT_CRUSHABLE_FOAM" => self.crushable_foam(record, table),
             "MAT_HONEYCOMB" => self.honeycomb(record, table, false),
             "MAT_MODIFIED_HONEYCOMB" => self.honeycomb(record, table, true),
@@ -162,6 +164,49 @@ impl DeckConverter {
         }
         self.rubber_options(record, table);
         2.0 * (1.0 + record.real("pr")) * shear
+    }
+
+    /// Converts rubber or foam by the force over the change of length of a specimen.
+    fn simplified_rubber(&mut self, record: &CardRecord, table: &mut JobTable) -> f64 {
+        table.put("law", record.head, "tabulated_rubber");
+        match record.real("prbeta") {
+            0.0 => number(record, table, "km", "bulk_modulus"),
+            nu if nu > 0.0 && nu < 0.5 => number(record, table, "prbeta", "poisson"),
+            _ => self.unsupported_value(record, "prbeta", "viscous stress; use 0 for rubber"),
+        }
+        let hu = record.real("hu");
+        let curve = record.integer("lctbid");
+        for (field, given, why) in [
+            ("g", record.real("g") != 0.0, "the rubber has no friction; use 0"),
+            ("lcunld", record.integer("lcunld") != 0, "unloading follows the curve; use 0"),
+            ("hu", hu != 0.0 && hu != 1.0, "unloading follows the curve; use 1"),
+            ("visco", record.real("visco") != 0.0, "the rubber has no relaxation; use 0"),
+            (
+                "lctbid",
+                self.tables.contains_key(&curve),
+                "curves by the strain rate; give one of the curves",
+            ),
+        ] {
+            if given {
+                self.unsupported_value(record, field, why);
+            }
+        }
+        let [length, width, thickness] = ["sgl", "sw", "st"].map(|field| record.real(field));
+        if length.min(width).min(thickness) <= 0.0 {
+            self.unsupported_value(record, "sgl", "give sgl, sw and st above 0");
+            return 1.0;
+        }
+        let place = record.place("lctbid");
+        if self.tables.contains_key(&curve) {
+            return 1.0;
+        }
+        let Some(curve) = self.curve(curve, place) else { return 1.0 };
+        let points: Vec<Vec<f64>> =
+            curve.points.iter().map(|[x, y]| vec![x / length, y / (width * thickness)]).collect();
+        let slope = points.windows(2).find(|two| two[1][0] > 0.0);
+        let e = slope.map_or(1.0, |two| (two[1][1] - two[0][1]) / (two[1][0] - two[0][0]));
+        table.put("curve", place, points);
+        e
     }
 
     fn crushable_foam(&mut self, record: &CardRecord, table: &mut JobTable) -> f64 {

@@ -26,6 +26,10 @@ pub fn write(
         {
             rubber(deck, law, cards, read);
         }
+        // The card takes a ratio of 0 for none: the material would be a rubber.
+        "tabulated_rubber" if !cards.has("poisson") || cards.number("poisson") > 0.0 => {
+            simplified_rubber(deck, cards, read);
+        }
         "low_density_foam" => low_density_foam(deck, cards, read),
         "crushable_foam" => crushable_foam(deck, cards, read),
         "fabric" => fabric(deck, cards, read),
@@ -134,6 +138,16 @@ fn rubber(deck: &mut DeckWriter, law: &str, cards: &MaterialCards<'_>, read: &mu
     if !coefficients.is_empty() {
         deck.card(&coefficients);
     }
+}
+
+fn simplified_rubber(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {
+    cards.keep(read, &["curve", "bulk_modulus", "poisson"]);
+    let curve = cards.curve(deck, "curve");
+    cards.head(deck, "MAT_SIMPLIFIED_RUBBER/FOAM");
+    deck.card(&[&first(cards)[..], &[cards.field("bulk_modulus")]].concat());
+    // A specimen of unit length and area has the nominal strain and stress of the curve.
+    let one = Number(1.0);
+    deck.card(&[one, one, one, curve, Blank, Blank, Blank, cards.field("poisson")]);
 }
 
 fn low_density_foam(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {

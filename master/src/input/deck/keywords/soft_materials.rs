@@ -155,6 +155,33 @@ pub const KEYWORDS: &[Keyword] = &[
     .aliases(&["MAT_077_O", "MAT_77_O"])
     .options(&["TITLE"]),
     Keyword::new(
+        "MAT_SIMPLIFIED_RUBBER/FOAM",
+        &[
+            TITLE,
+            ("mid:i! ro:r! km:r mu:r g:r sigf:r ref:r prten:r", Once),
+            ("sgl:r! sw:r! st:r! lctbid:i! tension:r rtype:r avgopt:r prbeta:r", Once),
+            ("lcunld:i hu:r shape:r stol:r visco:r hisout:r", Maybe),
+            ("gi:r betai:r", Rest),
+        ],
+        "law `tabulated_rubber`: `curve` is lctbid over sgl and over sw times st, km is \
+         `bulk_modulus`; prbeta between 0 and 0.5 is `poisson` of a foam. Tables of curves by the \
+         strain rate, unloading (lcunld, hu below 1), friction (g) and relaxation (visco) are not \
+         supported",
+    )
+    .unused(&[
+        REFERENCE,
+        ignored("mu", "the bulk viscosity of the elements damps"),
+        no_effect("sigf", "it is for g"),
+        no_effect("prten", "it is for shells"),
+        no_effect("tension rtype avgopt", "they are for tables"),
+        no_effect("shape", "it is for hu below 1"),
+        no_effect("stol", "the law checks its curve at the start"),
+        no_effect("hisout", "it is for output"),
+        no_effect("gi betai", "they are for visco"),
+    ])
+    .aliases(&["MAT_181", "MAT_SIMPLIFIED_RUBBER"])
+    .options(&["TITLE"]),
+    Keyword::new(
         "MAT_LOW_DENSITY_FOAM",
         &[
             TITLE,
