@@ -1,4 +1,4 @@
-//! Rubber and foam by a test: the curve of the specimen, the energy of one element, what is refused.
+//! Rubber and foam by a test: the curve of the specimen, what is refused.
 
 use crate::base::{assert_refused, model_of};
 use crumple_proto::partition::Param;

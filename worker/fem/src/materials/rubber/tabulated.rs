@@ -10,10 +10,10 @@
 //! uniaxial stress the lateral stretch is `lambda^-p`, in rubber with a large K. Two terms of f
 //! then differ by g, so that the test gives P. Both stresses are derivatives of an energy.
 //!
-//! Between its points, and beyond them, g is linear over `q = lambda^2 - 1/lambda`: each piece is the
-//! curve of a neo-Hookean rubber plus a constant. Straight lines of P would let f fall in strong
-//! compression, where its terms nearly cancel. The sum has eight terms; the others are those of a
-//! straight curve on either side of zero, which they approach.
+//! Between its points, and beyond them, g is linear over `q = lambda^2 - 1/lambda`: each piece is
+//! the curve of a neo-Hookean rubber plus a constant. Straight lines of P would let f fall in
+//! strong compression, where its terms nearly cancel. The sum has eight terms; the others are
+//! those of a straight curve on either side of zero, which they approach.
 //!
 //! f must grow with lambda: otherwise a rubber under equal stress along two axes is not stable. A
 //! curve that does not do so is refused.
