@@ -82,8 +82,8 @@ fn nodes_of_beams_follow_their_solids() {
 }
 
 /// A truss along the whole axis of the bar, with nodes on the faces of its solids, makes all
-/// sections stiffer and heavier alike: the amplitude of a given speed is that of the bar alone times
-/// the root of mass over stiffness.
+/// sections stiffer and heavier alike: the amplitude of a given speed is that of the bar alone
+/// times the root of mass over stiffness.
 #[test]
 fn a_coupled_truss_makes_a_bar_stiffer() {
     // A uniform extension; small steps, because the amplitude is the largest of all steps.
