@@ -149,6 +149,7 @@ mod tests {
         assert_eq!(found("/"), None);
         assert_eq!(found(""), None);
         assert_eq!(near("/MAT/ELATS"), Some("/MAT/ELAST"));
-        assert_eq!([near("/PROP/TYPE7"), near("/MAT/LAW37"), near("/MAT/OGDEM")], [None; 3]);
+        assert_eq!(near("/MAT/OGDEM"), Some("/MAT/OGDEN"));
+        assert_eq!([near("/PROP/TYPE7"), near("/MAT/LAW37"), near("/MAT/FOAM_TAV")], [None; 3]);
     }
 }
