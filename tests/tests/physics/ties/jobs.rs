@@ -28,7 +28,7 @@ fn wrong_jobs_are_reported() {
     );
     said(
         "[[tie]]\nnodes = \"end\"\nnode = 550\nparts = [1]\n",
-        &["also has `parts`, `faces` or `offset`", "node 550 is tied to itself"],
+        &["also has `parts`, `faces`, `offset` or `inside`", "node 550 is tied to itself"],
     );
     said("[[tie]]\nnodes = \"end\"\nnode = 9999\n", &["no element has node 9999"]);
     said("[[tie]]\nnodes = \"end\"\nparts = [1]\ntolerance = -1.0\n", &["tolerance is -1"]);
@@ -41,6 +41,11 @@ fn wrong_jobs_are_reported() {
         &["16 tied nodes do not touch rigid walls"],
     );
     said(&format!("{TIE}{TIE}"), &["is tied twice: by tie `joint` and tie `joint`"]);
+    let inside = "[[tie]]\nnodes = \"end\"\ninside = true\n";
+    said(inside, &["its parts have no solids"]);
+    said(&format!("{inside}parts = [1]\nrotations = true\n"), &["`inside` and also `rotations`"]);
+    said(&format!("{inside}parts = [2]\n"), &["all its nodes belong to its solids"]);
+    said(&inside.replace("end", "ends"), &["there is no node set `ends`"]);
     said(
         "[[tie]]\nnodes = \"second\"\nparts = [1]\n",
         &["tie 1: 960 of 976 nodes are not near enough to its surface"],
