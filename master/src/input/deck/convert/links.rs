@@ -186,10 +186,8 @@ impl DeckConverter {
 
     /// Adds the inertias of its nodes to a body.
     pub(super) fn put_added_inertia(&mut self, nodes: &[NodeId], table: &mut JobTable) {
-        let own: BTreeSet<NodeId> = nodes.iter().copied().collect();
         let (mut sum, mut first) = ([0.0; 6], None);
-        for (_, (tensor, place)) in self.node_inertias.extract_if(.., |node, _| own.contains(node))
-        {
+        for (tensor, place) in nodes.iter().filter_map(|node| self.node_inertias.remove(node)) {
             first = first.or(Some(place));
             (0..6).for_each(|c| sum[c] += tensor[c]);
         }
