@@ -12,10 +12,9 @@ use crumple_proto::mesh::{MeshElement, Shape};
 use crumple_proto::problem::Problem;
 use crumple_proto::tie::Tie;
 use crumple_worker::contact::search::linked_cells;
-use nalgebra::{Matrix3, Vector3};
+use crumple_worker::math::row::V3;
+use nalgebra::Matrix3;
 use std::collections::HashSet;
-
-type V3 = Vector3<f64>;
 
 /// Default tolerance, as a fraction of the diagonal of the box around a solid.
 const OF_BOX: f64 = 1e-3;
