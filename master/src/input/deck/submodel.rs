@@ -428,10 +428,10 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
         let kind = if integer(of) == 3 { OffsetKind::Part } else { OffsetKind::Set };
         roles.insert(field, id(kind));
     }
-    for (field, of) in
-        [("bsid", "bstyp"), ("ssid", "sstyp"), ("lstrsid", "lstrsty"), ("alesid", "alesty")]
-    {
-        if keyword.ends_with("_IN_SOLID") {
+    if keyword.ends_with("_IN_SOLID") {
+        let sides =
+            [("bsid", "bstyp"), ("ssid", "sstyp"), ("lstrsid", "lstrsty"), ("alesid", "alesty")];
+        for (field, of) in sides {
             let kind = if integer(of) == 1 { OffsetKind::Part } else { OffsetKind::Set };
             roles.insert(field, id(kind));
         }

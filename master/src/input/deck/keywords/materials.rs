@@ -36,6 +36,10 @@ fn spalls(record: &CardRecord) -> usize {
     usize::from(record.has("SPALL"))
 }
 
+/// Cards of an axis of MAT_GENERAL_SPRING_DISCRETE_BEAM.
+const AXIS_SPRING: (&str, Times) = ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe);
+const AXIS_CURVES: (&str, Times) = ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe);
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "MAT_ELASTIC",
@@ -365,18 +369,18 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             SPRING_TITLE,
             ("mid:i! ro:r! unused1:r unused2:r unused3:r unused4:r mdfail:i dospot:i", Once),
-            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
-            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
-            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
-            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
-            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
-            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
-            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
-            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
-            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
-            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
-            ("dof:i type:i k:r d:r cdf:r tdf:r", Maybe),
-            ("flcid:i hlcid:i c1:r c2:r dle:r glcid:i", Maybe),
+            AXIS_SPRING,
+            AXIS_CURVES,
+            AXIS_SPRING,
+            AXIS_CURVES,
+            AXIS_SPRING,
+            AXIS_CURVES,
+            AXIS_SPRING,
+            AXIS_CURVES,
+            AXIS_SPRING,
+            AXIS_CURVES,
+            AXIS_SPRING,
+            AXIS_CURVES,
         ],
         "the same with a card for each axis (dof 1 to 6): type 0, with the stiffness k or the \
          curve flcid, as of MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM, and the damping d; type 1 \

@@ -3,7 +3,8 @@
 //! The masters of a node are the corners of its solid; their weights are the linear shape functions
 //! of its shape at the node, for a tetrahedron of ten nodes those of its four corners.
 
-use super::{Projected, TieContext, name, whole};
+use super::surface::shape_values;
+use super::{Projected, TieContext, name};
 use crate::input::job::validate::JobProblems;
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
@@ -18,8 +19,6 @@ use std::collections::HashSet;
 
 /// Default tolerance, as a fraction of the diagonal of the box around a solid.
 const OF_BOX: f64 = 1e-3;
-/// Shape value below which it is round-off.
-const NO_SHARE: f64 = 1e-12;
 /// Steps of Newton's method, and the last change of the natural coordinates after which it ends.
 const STEPS: usize = 30;
 const SETTLED: f64 = 1e-12;
@@ -81,14 +80,11 @@ pub(super) fn to_solids(
     let tied = |(&node, found): (&usize, Option<PointInSolid>)| {
         let found = found?;
         let element = &mesh.elements[found.element];
-        let corners = element.corners().iter().copied().zip(found.shape);
-        let mut masters: Vec<(NodeId, f64)> = corners.filter(|s| s.1 > NO_SHARE).collect();
-        whole(&mut masters);
         let stays = context.rigid.contains(&element.part);
         Some(Projected {
             tie: Tie {
                 node: mesh.nodes[node].id,
-                masters,
+                masters: shape_values(element.corners(), &found.shape),
                 near: Vec::new(),
                 faces: vec![element.id],
                 rotations: false,

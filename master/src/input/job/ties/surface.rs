@@ -233,8 +233,9 @@ pub(super) fn thickest_shells(mesh: &Mesh, thick: &HashMap<u32, f64>) -> HashMap
     all
 }
 
-/// Returns the shape values of a face's nodes by ascending node, without those of round-off.
-fn shape_values(corners: &[NodeId; 4], shape: &[f64; 4]) -> Vec<(NodeId, f64)> {
+/// Returns the shape values of the corners of a face or solid by ascending node, without those of
+/// round-off.
+pub(super) fn shape_values(corners: &[NodeId], shape: &[f64]) -> Vec<(NodeId, f64)> {
     let mut shares: Vec<(NodeId, f64)> =
         corners.iter().copied().zip(shape.iter().copied()).filter(|s| s.1 > NO_SHARE).collect();
     whole(&mut shares);
