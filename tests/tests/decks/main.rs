@@ -27,6 +27,7 @@ mod fates;
 mod field_meshes;
 mod followed_directions;
 mod formats;
+mod gurson;
 mod honeycomb;
 mod joints;
 mod left_out;

@@ -15,6 +15,7 @@ mod curves;
 mod damage;
 mod discrete_beams;
 mod faces;
+mod gurson;
 mod histories;
 mod inertia;
 mod initial;

@@ -191,6 +191,12 @@ const ROLES: &[(&str, &str)] = &[
          strainlt=1",
     ),
     (
+        "MAT_GURSON",
+        "ro=d e=p pr=1 sigy=p n=1 q1=1 q2=1 fc=1 f0=1 en=1 sn=1 fn=1 etan=p atyp=1 ff0=1 eps=1 \
+         es=p l=l ff=1 lcss=#f:1:p lclf=#f:l:1 numint=1 lcf0=#f:l:1 lcfc=#f:l:1 lcfn=#f:l:1 \
+         vgtyp=1",
+    ),
+    (
         "MAT_FABRIC",
         "ro=d ea=p eb=p prba=1 prab=1 gab=p cse=1 el=p prl=1 lratio=1 damp=1 aopt=1 form=1 a1=@d \
          a2=1 a3=1 v1=@d v2=1 v3=1 beta=1",

@@ -250,6 +250,17 @@ pub fn laws() -> Vec<Material> {
         steel("orthotropic", &ply),
         steel("barlat", &rolled),
         steel(
+            "gurson",
+            &[
+                ("yield_stress", number(YIELD)),
+                ("hardening_modulus", number(0.5)),
+                ("void_fraction", number(0.01)),
+                ("nucleation", Param::List(vec![0.04, 0.02, 0.01])),
+                ("critical_void_fraction", number(0.05)),
+                ("failure_void_fractions", table(&[[0.5, 0.2], [2.0, 0.15]])),
+            ],
+        ),
+        steel(
             "j2",
             &[
                 ("yield_stress", number(YIELD)),

@@ -22,14 +22,13 @@ mod tests;
 
 use self::surface::{BarlatSurface, YieldState};
 use super::axes::{ANGLE, DIRECTION, DIRECTION_COLUMNS, Orientation, stress_across, stress_along};
-use super::j2;
+use super::hardening::{HARDENING, Hardening};
 use super::parameters::Parameters;
-use super::polyline::{Beyond, RampCurve};
 use super::{
     DefaultValue, ELASTIC, Elastic, Form, Law, LawResult, ParameterRow, PlaneStress, Points,
 };
 use crumple_math::lanes::{LANES, LANES32, Lane, Lane32, Lanes, Real};
-use crumple_proto::partition::{Material, Param};
+use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 
 /// The row of this law.
@@ -52,20 +51,10 @@ pub const LAW: Law = Law {
         ),
         row(RATIOS[1], DefaultValue::Number(1.0), "The same in tension at 45 degrees."),
         row(RATIOS[2], DefaultValue::Number(1.0), "The same in tension along b."),
-        ParameterRow {
-            otherwise: DefaultValue::Depends("needed without `hardening` and `swift`"),
-            ..j2::HARDENING[0]
-        },
-        j2::HARDENING[1],
-        j2::HARDENING[2],
-        ParameterRow {
-            key: SWIFT,
-            form: Form::List("[k, e0, n]"),
-            otherwise: DefaultValue::Absent,
-            range: None,
-            meaning: "Yield stress `k (e0 + eps_p)^n` in place of the other keys of hardening; k \
-                      is a stress [force/length^2].",
-        },
+        HARDENING[0],
+        HARDENING[1],
+        HARDENING[2],
+        HARDENING[3],
     ],
     build: Some(build),
     solid: None,
@@ -73,7 +62,6 @@ pub const LAW: Law = Law {
 };
 
 const RATIOS: [&str; 3] = ["lankford_0", "lankford_45", "lankford_90"];
-const SWIFT: &str = "swift";
 
 const fn row(key: &'static str, otherwise: DefaultValue, meaning: &'static str) -> ParameterRow {
     ParameterRow { key, form: Form::Number, otherwise, range: None, meaning }
@@ -85,27 +73,6 @@ const COSINE: usize = 4;
 const SINE: usize = 5;
 const COLUMNS: usize = 6;
 const HISTORY: [&str; 3] = ["plastic_strain", DIRECTION_COLUMNS[0], DIRECTION_COLUMNS[1]];
-
-/// Yield stress over the effective plastic strain.
-enum Hardening {
-    /// Straight lines.
-    Lines(RampCurve),
-    /// `k (e0 + g)^n`.
-    Swift { k: f64, e0: f64, n: f64 },
-}
-
-impl Hardening {
-    /// Returns the yield stress and its slope [force/length^2].
-    fn at(&self, strain: f64) -> [f64; 2] {
-        match self {
-            Hardening::Lines(curve) => curve.at(strain),
-            Hardening::Swift { k, e0, n } => {
-                let value = k * (e0 + strain).powf(*n);
-                [value, n * value / (e0 + strain)]
-            }
-        }
-    }
-}
 
 struct Barlat {
     elastic: Elastic,
@@ -127,44 +94,10 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Barlat, Vec<
         let help = "use a ratio nearer to those at 0 and 90 degrees";
         parameters.wrong(RATIOS[1], "cannot be reached with this exponent", help);
     }
-    let swift = swift(&mut parameters);
-    let hardening = match swift {
-        Some([k, e0, n]) => {
-            for key in ["yield_stress", "hardening_modulus", "hardening"] {
-                if parameters.get(key).is_some() {
-                    let what = format!("is given together with {key}");
-                    parameters.wrong(SWIFT, what, "give only one of them");
-                }
-            }
-            Hardening::Swift { k, e0, n }
-        }
-        None => {
-            let (yield_stress, slope, ramps) = j2::hardening(&mut parameters);
-            // Only a hardening modulus has no last point.
-            let beyond = if ramps.is_empty() { Beyond::Straight } else { Beyond::Constant };
-            let points = j2::rows_of(yield_stress, slope, &ramps);
-            let points: Vec<[f64; 2]> = points.iter().map(|row| [row[1], row[2]]).collect();
-            Hardening::Lines(RampCurve::new(&points, 1.0, beyond))
-        }
-    };
+    let hardening = Hardening::read(&mut parameters);
     parameters.finish()?;
     let surface = surface.expect("its absence is a problem");
     Ok(Barlat { elastic, orientation, surface, hardening })
-}
-
-/// Returns k, e0 and n.
-fn swift(parameters: &mut Parameters<'_>) -> Option<[f64; 3]> {
-    let list = match parameters.get(SWIFT)? {
-        Param::List(list) => <[f64; 3]>::try_from(list.as_slice()).ok(),
-        _ => None,
-    };
-    let sound =
-        |&[k, e0, n]: &[f64; 3]| [k, e0, n].iter().all(|x| x.is_finite() && *x > 0.0) && n <= 1.0;
-    let list = list.filter(sound);
-    if list.is_none() {
-        parameters.wrong(SWIFT, "is not [k, e0, n]", "give three numbers above 0, n at most 1");
-    }
-    Some(list.unwrap_or([1.0; 3]))
 }
 
 impl Barlat {
@@ -197,7 +130,7 @@ impl Barlat {
             let u = half * (trial[0] - h * trial[1]);
             let t = p * trial[2];
             let most = (half * (trial[0] + h * trial[1])).abs() + u.mul_add(u, t * t).sqrt();
-            let yield_stress = self.lane_yield_stress(state[STRAIN], count, &lanes);
+            let yield_stress = self.hardening.of_lanes(state[STRAIN], count, &lanes);
             let near = (bound * most).gt(yield_stress);
             if R::any(near) {
                 let marks = R::select(near, one, R::zero());
@@ -229,26 +162,6 @@ impl Barlat {
             }
             let change = (state[0] - before[0]) + (state[1] - before[1]);
             *eps_z = thinning.mul_add(change, -(eps[0] + eps[1]));
-        }
-    }
-
-    /// Returns the yield stress of all lanes.
-    #[inline(always)]
-    fn lane_yield_stress<R: Real>(
-        &self,
-        strain: R,
-        count: usize,
-        lanes: &impl Fn(&[f64; LANES32]) -> R,
-    ) -> R {
-        match &self.hardening {
-            Hardening::Lines(curve) => curve.at(strain)[0],
-            Hardening::Swift { .. } => {
-                let mut of_lanes = [0.0; LANES32];
-                for (lane, value) in of_lanes.iter_mut().enumerate().take(count) {
-                    *value = self.hardening.at(strain.lane(lane))[0];
-                }
-                lanes(&of_lanes)
-            }
         }
     }
 }

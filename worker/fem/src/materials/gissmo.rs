@@ -19,6 +19,7 @@
 mod tests;
 
 use super::damaged::{DamageColumns, DamageLaw};
+use super::failed_points::FailedPoints;
 use super::parameters::Parameters;
 use super::polyline::{Beyond, RampCurve};
 use super::tensor::{deviator, inner, trace};
@@ -105,7 +106,7 @@ pub struct GissmoInput {
     exponent: f64,
     fading: f64,
     sizes: Option<RampCurve>,
-    failed_points: Option<f64>,
+    failed_points: FailedPoints,
 }
 
 /// Start of the loss of stress.
@@ -150,9 +151,7 @@ pub fn split(material: &Material) -> Result<(Material, Option<GissmoInput>), Vec
         ("[[size, factor], ...]", "sizes from 0 on and factors above 0"),
         |point| point[0] >= 0.0 && point[1] > 0.0,
     );
-    let count = |n: f64| n >= 1.0 && n.fract() == 0.0 || (-100.0..0.0).contains(&n);
-    let failed_points =
-        parameters.optional(POINTS, "a whole number from 1 on, or from -100 to below 0", count);
+    let failed_points = FailedPoints::read(&mut parameters, POINTS);
     parameters.finish()?;
     let ramps = |points: Vec<[f64; 2]>| RampCurve::new(&points, 1.0, Beyond::Constant);
     let critical = match of_critical {
@@ -289,12 +288,7 @@ impl DamageLaw for Gissmo {
     }
 
     fn failed_points(&self, points: usize, of_law: usize) -> usize {
-        match self.input.failed_points {
-            None => of_law,
-            // Round-off must not make a whole percentage of the points one more.
-            Some(n) if n < 0.0 => (-0.01 * n * points as f64 - 1e-9).ceil().max(1.0) as usize,
-            Some(n) => (n as usize).min(points),
-        }
+        self.input.failed_points.of(points, of_law)
     }
 }
 

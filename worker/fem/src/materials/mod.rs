@@ -14,8 +14,11 @@ mod elastic;
 mod equation_of_state;
 mod erosion;
 mod fabric;
+mod failed_points;
 mod fluid;
 mod gissmo;
+mod gurson;
+mod hardening;
 mod honeycomb;
 mod isentrope;
 mod j2;
@@ -392,6 +395,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     fabric::LAW,
     orthotropic::LAW,
     barlat::LAW,
+    gurson::LAW,
     honeycomb::LAW,
     cohesive::mixed_mode::LAW,
     cohesive::elastic::LAW,

@@ -315,14 +315,7 @@ impl DeckConverter {
         if lcss < 0 {
             self.unsupported_value(record, "lcss", "a negative id");
         }
-        let list = |name| record.line(name).map(|l| l.reals(name)).unwrap_or_default();
-        let (strains, stresses) = (list("eps"), list("es"));
-        let mut points: Vec<[f64; 2]> =
-            strains.into_iter().zip(stresses).map(|(e, s)| [e, s]).collect();
-        // Blank pairs at the end are no points; the first point may be at strain zero.
-        while points.last() == Some(&[0.0, 0.0]) {
-            points.pop();
-        }
+        let points = pairs(record, "eps", "es");
         if points.is_empty() {
             if record.real("sigy") == 0.0 {
                 let message = format!("{}: there is no yield stress", record.name());
@@ -488,12 +481,7 @@ fn hydro(record: &CardRecord, table: &mut JobTable) -> f64 {
     table.put("law", record.head, "j2");
     table.put("youngs_modulus", record.place("g"), e);
     table.put("poisson", record.place("g"), OF_HYDRO);
-    let list = |name| record.lines(name).flat_map(|line| line.reals(name)).collect::<Vec<_>>();
-    let mut points: Vec<[f64; 2]> =
-        list("eps").into_iter().zip(list("es")).map(|(e, s)| [e, s]).collect();
-    while points.last() == Some(&[0.0, 0.0]) {
-        points.pop();
-    }
+    let points = pairs(record, "eps", "es");
     if points.is_empty() {
         table.put("yield_stress", record.place("sigy"), record.real("sigy"));
         table.put("hardening_modulus", record.place("eh"), record.real("eh"));
@@ -533,6 +521,18 @@ pub(super) fn rates(record: &CardRecord, c: &str, p: &str, table: &mut JobTable)
 /// Returns the points as rows of a table.
 pub(super) fn rows(points: &[[f64; 2]]) -> Vec<Vec<f64>> {
     points.iter().map(|p| p.to_vec()).collect()
+}
+
+/// Returns the points of two lists of fields. Blank pairs at the end are no points; the first point
+/// may be at zero.
+pub(super) fn pairs(record: &CardRecord, first: &str, second: &str) -> Vec<[f64; 2]> {
+    let list = |name| record.lines(name).flat_map(|line| line.reals(name)).collect::<Vec<_>>();
+    let mut points: Vec<[f64; 2]> =
+        list(first).into_iter().zip(list(second)).map(|(x, y)| [x, y]).collect();
+    while points.last() == Some(&[0.0, 0.0]) {
+        points.pop();
+    }
+    points
 }
 
 /// Returns a hardening curve as the formats mean it, from plastic strain zero on: constant before

@@ -7,13 +7,14 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 6] = [
+pub const KEYWORDS: [&str; 7] = [
     "MAT_PLASTICITY_WITH_DAMAGE",
     "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY",
     "MAT_SIMPLIFIED_JOHNSON_COOK",
     "MAT_POWER_LAW_PLASTICITY",
     "MAT_TRANSVERSELY_ANISOTROPIC_ELASTIC_PLASTIC",
     BARLAT,
+    "MAT_GURSON",
 ];
 
 /// The keyword of `barlat.rs`.
@@ -37,6 +38,7 @@ impl DeckConverter {
             "MAT_SIMPLIFIED_JOHNSON_COOK" => self.simplified_johnson_cook(record, table),
             "MAT_POWER_LAW_PLASTICITY" => self.power_law(record, table),
             BARLAT => self.barlat(record, table),
+            "MAT_GURSON" => self.gurson(record, table),
             _ => self.anisotropic_metal(record, table),
         }
     }

@@ -15,6 +15,7 @@ mod damage;
 mod discrete_beams;
 mod equations;
 mod fabric;
+mod gurson;
 mod histories;
 mod honeycomb;
 pub(in crate::input::deck) mod inertia;

@@ -2,7 +2,9 @@
 //! of the material.
 
 use super::{Blank, CardValue, DeckWriter, Id, Number, line, named, points};
-use super::{barlat, cohesive, composites, damage, metals, soft_materials, writer::LeftReason};
+use super::{
+    barlat, cohesive, composites, damage, gurson, metals, soft_materials, writer::LeftReason,
+};
 use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::job::Model;
 use crumple_proto::job::Part;
@@ -232,6 +234,7 @@ fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
         "johnson_cook" => metals::johnson_cook(deck, cards, &mut read),
         FLUID => fluid(deck, cards, &mut read),
         "barlat" => barlat::sheet(deck, cards, &mut read),
+        "gurson" => gurson::metal(deck, cards, &mut read),
         "orthotropic" => {
             composites::ply(deck, cards);
             // The ply has accounted for all of its own keys.

@@ -201,6 +201,26 @@ pub const KEYWORDS: &[Keyword] = &[
     .aliases(&["MAT_036", "MAT_36"])
     .options(&["TITLE"]),
     Keyword::new(
+        "MAT_GURSON",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r sigy:r n:r q1:r! q2:r!", Once),
+            ("fc:r f0:r en:r sn:r fn:r etan:r atyp:r=1 ff0:r", Once),
+            ("eps:r*8", Maybe),
+            ("es:r*8", Maybe),
+            ("l:r*4 ff:r*4", Maybe),
+            ("lcss:i lclf:i numint:r=1 lcf0:i lcfc:i lcfn:i vgtyp:r dexp:r", Maybe),
+            ("kw:r beta:r m:r", Maybe),
+        ],
+        "law `gurson`: lcss, or by atyp sigy with the power 1/n, with etan, or eps and es; fn, en, \
+         sn are `nucleation`, fc is `critical_void_fraction`; ff0, l with ff, or lclf is the void \
+         fraction of failure; vgtyp 1 is `voids_only_grow`, 2 `voids_close`; numint is \
+         `failed_points`",
+    )
+    .unused(&[refused("dexp kw beta m", "damage by shear")])
+    .aliases(&["MAT_120"])
+    .options(&["TITLE"]),
+    Keyword::new(
         "EOS_GRUNEISEN",
         &[
             ("heading:l", Count(title)),

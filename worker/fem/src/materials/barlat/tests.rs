@@ -5,6 +5,7 @@ use super::*;
 use crate::elements::testing::Noise;
 use crate::materials::build;
 use crate::materials::testing::{Sheet, material, problems, table};
+use crumple_proto::partition::Param;
 
 const E: f64 = 70.0;
 const NU: f64 = 0.33;
