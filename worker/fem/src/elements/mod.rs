@@ -459,7 +459,8 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
                 let law = material.and_then(|(index, m)| {
                     materials::build_solid(m).map_err(|found| law_problems(index, found)).ok()
                 });
-                build(part, values, law.unwrap_or_else(materials::solid_placeholder_law))
+                let law = law.unwrap_or_else(materials::solid_placeholder_law);
+                solid::with_interior(part, values, law).and_then(|law| build(part, values, law))
             }
             Constructor::Cohesive(build) => {
                 let law = material.and_then(|(index, m)| {

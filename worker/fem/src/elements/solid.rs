@@ -43,7 +43,40 @@ pub const SOLID_KEYS: &[ParameterRow] = &[
                   that share the masses of nodes, are not deleted for their step.",
     },
     DELETION_STEP,
+    ParameterRow {
+        key: INTERIOR,
+        form: Form::Numbers(2),
+        otherwise: DefaultValue::Absent,
+        range: Some(Range { wanted: "above 0", fits: |x| x > 0.0 && x.is_finite() }),
+        meaning: "Contact inside of solids that are crushed: `[fraction, factor]`. Below this \
+                  fraction of its first volume a pressure acts in an element, which grows without \
+                  bound as the volume vanishes; the factor is on its modulus, that of the law in \
+                  confined compression. Usual for foams: `[0.1, 1.0]`. It shortens the step.",
+    },
 ];
+const INTERIOR: &str = "interior_contact";
+
+/// Returns a law with contact inside of its elements, if their part has it.
+///
+/// # Errors
+/// The fraction is not below 1.
+pub fn with_interior(
+    part: &Part,
+    values: &Values<'_>,
+    law: Box<dyn Solid>,
+) -> Result<Box<dyn Solid>, Vec<Problem>> {
+    if !values.is_given(INTERIOR) {
+        return Ok(law);
+    }
+    let given: [f64; 2] = values.numbers(INTERIOR);
+    if given[0] >= 1.0 {
+        let of = part.label();
+        let message = format!("part {of}: {INTERIOR} begins at {} of the volume", given[0]);
+        let help = "give a fraction below 1, such as [0.1, 1.0]";
+        return Err(vec![Problem::error(INTERIOR, message, help)]);
+    }
+    Ok(materials::with_interior_contact(law, given))
+}
 
 /// Key of solids that average their volume strain at nodes; see
 /// [`tetrahedron`](super::tetrahedron).

@@ -38,8 +38,16 @@ pub struct Cube {
 
 impl Cube {
     pub fn new(material: &Material) -> Self {
+        Self::around(material, |law| law)
+    }
+
+    /// Creates a cube of what `with` makes of the law.
+    pub fn around(
+        material: &Material,
+        with: impl FnOnce(Box<dyn Solid>) -> Box<dyn Solid>,
+    ) -> Self {
         let law = build_solid(material).map_err(|problems| format!("{problems:?}")).unwrap();
-        let law: std::rc::Rc<dyn Solid> = law.into();
+        let law: std::rc::Rc<dyn Solid> = with(law).into();
         let state = vec![0.0; 6 + law.history().len()];
         Self { law, state, strain: [0.0; 6], work: 0.0 }
     }

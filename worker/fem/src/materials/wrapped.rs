@@ -21,6 +21,11 @@ pub trait LawModifier: Send + Sync {
     fn failed_points(&self, _points: usize, of_law: usize) -> usize {
         of_law
     }
+
+    /// Returns the result of [`Solid::averages_volume`]; `of_law` is that of the law alone.
+    fn averages_volume(&self, of_law: bool) -> bool {
+        of_law
+    }
 }
 
 /// Columns of a point: the stress, then those with a name.
@@ -178,7 +183,7 @@ impl<A: LawModifier> Solid for Wrapped<dyn Solid, A> {
         self.law.elastic()
     }
     fn averages_volume(&self) -> bool {
-        self.law.averages_volume()
+        self.modifier.averages_volume(self.law.averages_volume())
     }
     fn viscosity(&self) -> Option<f64> {
         self.law.viscosity()
