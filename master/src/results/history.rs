@@ -93,6 +93,7 @@ pub struct Course {
     /// Cycle of the first of the last consecutive rows with much energy in oscillations from step
     /// to step.
     swings_from: Option<u64>,
+    /// Largest energy supplied so far [energy].
     most_came_in: f64,
     /// Largest sum of kinetic, internal and hourglass energy so far [energy].
     pub most: f64,
@@ -157,6 +158,9 @@ fn relative_error(balance: f64, came_in: f64) -> f64 {
     }
 }
 
+/// Energy supplied, as a fraction of the largest so far, below which the error of the balance is
+/// that of what has gone through the model: a tool that stops gives its energy back.
+const LEAST_SHARE: f64 = 1e-3;
 /// Fraction of the energy in oscillations that a step above the stability limit soon reaches and
 /// keeps. A stable step may reach it too: for a few cycles when a coarse bar rebounds from a
 /// wall, or longer when the model hardly moves.
@@ -312,9 +316,9 @@ impl History {
         // The initial energy is that of the first row minus the work done until then.
         let initial = self.course.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
-        self.course.most_came_in =
-            if self.subcycled { self.course.most_came_in.max(came_in) } else { came_in };
-        let came_in = self.course.most_came_in;
+        self.course.most_came_in = self.course.most_came_in.max(came_in);
+        let least = if self.subcycled { 1.0 } else { LEAST_SHARE };
+        let came_in = came_in.max(least * self.course.most_came_in);
         let error = relative_error(sum.energies.balance(initial), came_in);
         let there = sum.energies.supplied(initial).max(sum.energies.internal);
         let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };

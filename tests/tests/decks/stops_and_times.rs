@@ -173,21 +173,6 @@ fn axial_forces_become_preloads_of_parts() {
     assert!(report.contains("reaches 0.2, and its material yields at 0.15"), "{report}");
 }
 
-#[test]
-fn contact_inside_of_solids_names_its_parts() {
-    let report = refused("*SET_PART_LIST\n4\n2\n*CONTACT_INTERIOR\n4\n");
-    for words in ["*CONTACT_INTERIOR: set 4", "solids of parts 2", "full compaction"] {
-        assert!(report.contains(words), "{words}: {report}");
-    }
-    let allowed = super::base::read_with(
-        &["mesh.allow_unsupported=true"],
-        "*SET_PART_LIST\n4\n2\n*CONTACT_INTERIOR\n4\n",
-    );
-    let said: String =
-        allowed.warnings.iter().map(|w| format!("{} {}\n", w.message, w.help)).collect();
-    assert!(said.contains("the run ends if one turns inside out"), "{said}");
-}
-
 const WALL: &str = "*RIGIDWALL_PLANAR_ID\n3,floor\n\n50,0,0,9,0,0\n";
 
 /// A switch of time gives a wall or a contact its birth and death.

@@ -12,7 +12,7 @@
 //! The condition is solved for sig_y: this equivalent stress is a homogeneous convex function of
 //! the stress, so flow along its gradient by `(1 - f) de` does the work above. The return is the
 //! cutting-plane method (Simo & Hughes 1998, sec. 3.6.2) with the voids at the start of the step.
-//! What is left after its last step is taken from all stress in proportion.
+//! After its last step all stress is reduced to the surface in proportion.
 //!
 //! Each lane that yields is returned alone, in double precision.
 //!
@@ -137,7 +137,7 @@ enum Failure {
     BySize(RampCurve),
 }
 
-/// What voids do in compression.
+/// Behaviour of voids in compression.
 #[derive(Clone, Copy)]
 enum Compression {
     /// They become smaller, down to this rise of the void fraction.

@@ -4,7 +4,7 @@
 //! p = M/2 ((a V_0/V)^2 - 1)
 //! ```
 //! with M the modulus of longitudinal waves of the law times a factor. Its work is unbounded as V
-//! approaches zero. The modulus grows by `M (a V_0/V)^2`, by which the element takes a shorter step.
+//! approaches zero. The modulus grows by `M (a V_0/V)^2`, so the element takes a shorter step.
 //!
 //! It acts on the volume: a body that is pressed flat and gives way to the sides is not held.
 
@@ -30,7 +30,7 @@ struct Interior {
     failed: Option<usize>,
     /// True if the law advances the volume.
     is_of_law: bool,
-    /// True if the law gives the stiffening anew in each step.
+    /// True if the law gives a stiffening.
     stiffens: bool,
 }
 

@@ -20,6 +20,7 @@ mod histories;
 mod honeycomb;
 pub(in crate::input::deck) mod inertia;
 pub(in crate::input::deck) mod initial;
+mod interior;
 mod joints;
 mod left_out;
 mod links;

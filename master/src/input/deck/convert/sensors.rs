@@ -172,31 +172,6 @@ impl DeckConverter {
         let place = record.place("type");
         self.unsupported.push(Unsupported { place, message, what: name, lost });
     }
-
-    /// Reports `*CONTACT_INTERIOR`, with the parts that lack it.
-    pub(super) fn interior_contacts(&mut self) {
-        for record in self.take_records("CONTACT_INTERIOR") {
-            for line in record.lines("psid") {
-                let (psid, place) = (line.integer("psid"), line.place("psid"));
-                let parts: Vec<String> =
-                    self.part_set(psid, place).iter().map(i64::to_string).collect();
-                let parts = parts.join(", ");
-                let message = format!(
-                    "{}: set {psid} asks for contact inside of the solids of parts {parts}, which \
-                     is not supported: end the stress curves of their foams with a steep rise at \
-                     full compaction, which keeps elements from being crushed flat",
-                    record.name()
-                );
-                let lost = format!(
-                    "nothing but their material resists when the solids of parts {parts} are \
-                     crushed; the run ends if one turns inside out. Their outer faces are in \
-                     contact as by other cards"
-                );
-                let what = format!("{} {psid}", record.name());
-                self.unsupported.push(Unsupported { place, message, what, lost });
-            }
-        }
-    }
 }
 
 /// Returns the numbers of the switches of a control, in order.

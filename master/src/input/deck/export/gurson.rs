@@ -27,7 +27,7 @@ pub fn metal(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardPa
     if let [k, e0, n] = *cards.list("swift") {
         let sigy = e * e0;
         form = [Number(sigy), Number(1.0 / n), Blank, Number(1.0)];
-        // What a reader makes of these fields.
+        // The list that a reader makes of these fields.
         let (start, exponent) = (sigy / e, 1.0 / n);
         let of_reader = [sigy * start.powf(-1.0 / exponent), start, 1.0 / exponent];
         if [k, e0, n].iter().zip(of_reader).all(|(own, of)| (own / of - 1.0).abs() < 1e-12) {

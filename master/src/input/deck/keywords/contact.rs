@@ -233,8 +233,9 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "CONTACT_INTERIOR",
         &[("psid:i!", Rest)],
-        "**not supported**: a contact inside of solids that are crushed. The report names the \
-         parts of psid",
+        "`interior_contact` of the parts of solids of psid: fraction da2 (0.1) and factor da1 (1) \
+         of the set. It acts on the volume, not on the distance of faces; the modulus da3 is not \
+         used, type 2 (da4) is type 1",
     ),
     Keyword::new(
         "RIGIDWALL_PLANAR",

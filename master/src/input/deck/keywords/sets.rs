@@ -12,6 +12,11 @@ const LIST: &[(&str, crate::input::deck::table::Times)] = &[
 
 const ATTRIBUTES: &[UnusedFields] =
     &[no_effect("da1 da2 da3 da4 solver its a", "no keyword here refers to attributes of a set")];
+/// Attributes of sets of parts.
+const OF_PARTS: &[UnusedFields] = &[
+    no_effect("da1 da2 da3 da4", "only CONTACT_INTERIOR refers to attributes of a set"),
+    no_effect("solver its a", "no keyword here refers to them"),
+];
 
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new("TITLE", &[("text:l", Maybe)], "`title`"),
@@ -93,13 +98,13 @@ pub const KEYWORDS: &[Keyword] = &[
     .options(&["TITLE"]),
     Keyword::new("SET_PART_LIST", LIST, "a set of parts")
         .aliases(&["SET_PART"])
-        .unused(ATTRIBUTES)
+        .unused(OF_PARTS)
         .options(&["TITLE"]),
     Keyword::new("SET_PART_LIST_GENERATE", LIST, "the same by ranges")
-        .unused(ATTRIBUTES)
+        .unused(OF_PARTS)
         .options(&["TITLE"]),
     Keyword::new("SET_PART_ADD", LIST, "the same from other sets of parts")
-        .unused(ATTRIBUTES)
+        .unused(OF_PARTS)
         .options(&["TITLE"]),
     Keyword::new(
         "SET_SEGMENT",

@@ -54,8 +54,8 @@ fn without_voids_it_is_von_mises_plasticity() {
     let (mut cube, mut cube_of_mises) = (Cube::new(&ours), Cube::new(&mises));
     let mut noise = Noise(4);
     for step in 0..4000 {
-        // The return of a cube is the closest point; that of a sheet differs within a step, which is
-        // 0.1 % of the strain at yield here.
+        // The return of a cube is the closest point; that of a sheet differs within a step, 0.1 %
+        // of the strain at yield.
         let mut eps: [f64; 6] = std::array::from_fn(|_| 1e-6 * noise.next());
         eps[0] += 2e-6;
         cube.step(eps, 1.0);
@@ -91,7 +91,7 @@ fn voids_grow_by_the_volume_of_the_matrix() {
     let plastic = 20_000.0 * 3e-5 - mean / bulk;
     let fraction = voids + cube.at("void_fraction_rise");
     let wanted = 1.0 - (1.0 - voids) * (-plastic).exp();
-    // Of first order in the step, 3e-5.
+    // The error is of first order in the step, 3e-5.
     assert!((fraction / wanted - 1.0).abs() < 1e-4, "{fraction} for {wanted}");
     let weakening: f64 = 1.5 * fraction;
     let limit = ((1.0 + weakening * weakening) / (2.0 * weakening)).acosh() / 1.5 * YIELD;
