@@ -10,19 +10,21 @@
 //! with the plastic strain e of the matrix. A point fails at f = f_F.
 //!
 //! The condition is solved for sig_y: this equivalent stress is a homogeneous convex function of
-//! the stress, so flow along its gradient by `(1 - f) de` does the work above. The return is the
-//! cutting-plane method (Simo & Hughes 1998, sec. 3.6.2) with the voids at the start of the step.
-//! After its last step all stress is reduced to the surface in proportion.
+//! the stress, so flow along its gradient by `(1 - f) de` does the work above. The return is that to
+//! the closest point, with the voids at the start of the step: the direction of flow is that at the
+//! end of it, which is found by iteration, and the length of flow follows from Newton's method.
 //!
 //! Each lane that yields is returned alone, in double precision.
 //!
 //! Not included: strain rates; sizes other than for f_F; damage by shear.
 
+mod flow;
 mod surface;
 #[cfg(test)]
 mod tests;
 
-use self::surface::{Equivalent, Nucleation, VoidSurface};
+use self::flow::{Flow, Plane, Space, StressSpace, Yielding};
+use self::surface::{Nucleation, VoidSurface};
 use super::failed_points::FailedPoints;
 use super::hardening::{HARDENING, Hardening};
 use super::parameters::Parameters;
@@ -123,10 +125,6 @@ const FAILED: usize = 2;
 const SIZE: usize = 3;
 const HISTORY: [&str; 4] = ["plastic_strain", "void_fraction_rise", "failed", SIZE_COLUMN];
 
-/// Steps of the return; three to six are enough for a step of an element.
-const STEPS: usize = 40;
-/// Distance from the surface, as a fraction of the yield stress, that ends the return.
-const TOLERANCE: f64 = 1e-12;
 /// Largest void fraction of a point without failure.
 const MOST_VOIDS: f64 = 0.99;
 
@@ -166,98 +164,6 @@ struct VoidState {
     rise: f64,
     failed: f64,
     size: f64,
-}
-
-/// Sums over the steps of a return.
-#[derive(Default)]
-struct Flow {
-    /// Multiplier, `(1 - f) de`.
-    multiplier: f64,
-    /// Plastic volume strain.
-    volume: f64,
-    /// Plastic strain through the thickness of a sheet.
-    thickness: f64,
-    /// Factor on all stress after the last step.
-    scale: f64,
-}
-
-/// A stress that a return moves.
-trait Returned {
-    /// Von Mises stress and mean stress.
-    fn invariants(&self) -> [f64; 2];
-    /// Stiffness against flow along the gradient of the equivalent stress.
-    fn stiffness(&self, gradient: Equivalent) -> f64;
-    /// Flows by a multiplier.
-    fn flow(&mut self, gradient: Equivalent, multiplier: f64, flow: &mut Flow);
-}
-
-/// Stress of a solid: von Mises stress and mean stress; the deviator keeps its direction.
-struct Space<'a> {
-    elastic: &'a [f64; 2],
-    mises: f64,
-    mean: f64,
-}
-
-impl Returned for Space<'_> {
-    fn invariants(&self) -> [f64; 2] {
-        [self.mises, self.mean]
-    }
-    fn stiffness(&self, gradient: Equivalent) -> f64 {
-        let [three_g, bulk] = *self.elastic;
-        three_g * gradient.of_mises.powi(2) + bulk * gradient.of_mean.powi(2)
-    }
-    fn flow(&mut self, gradient: Equivalent, multiplier: f64, _flow: &mut Flow) {
-        let [three_g, bulk] = *self.elastic;
-        self.mises = (self.mises - three_g * gradient.of_mises * multiplier).max(0.0);
-        self.mean -= bulk * gradient.of_mean * multiplier;
-    }
-}
-
-/// Stress of a sheet: xx, yy, xy.
-struct Plane<'a> {
-    /// c11, c12, G.
-    elastic: &'a [f64; 3],
-    stress: [f64; 3],
-}
-
-impl Plane<'_> {
-    /// Returns the direction of flow xx, yy, twice xy, zz.
-    fn direction(&self, gradient: Equivalent) -> [f64; 4] {
-        let [x, y, xy] = self.stress;
-        let [mises, _] = self.invariants();
-        let of_mises = if mises > 0.0 { 0.5 * gradient.of_mises / mises } else { 0.0 };
-        let third = gradient.of_mean / 3.0;
-        [
-            of_mises * (2.0 * x - y) + third,
-            of_mises * (2.0 * y - x) + third,
-            6.0 * of_mises * xy,
-            third - of_mises * (x + y),
-        ]
-    }
-
-    /// Returns the stress of a strain xx, yy, twice xy.
-    fn stress_of(&self, [x, y, xy]: [f64; 3]) -> [f64; 3] {
-        let [c11, c12, g] = *self.elastic;
-        [c11 * x + c12 * y, c11 * y + c12 * x, g * xy]
-    }
-}
-
-impl Returned for Plane<'_> {
-    fn invariants(&self) -> [f64; 2] {
-        let [x, y, xy] = self.stress;
-        [(x * x - x * y + y * y + 3.0 * xy * xy).sqrt(), (x + y) / 3.0]
-    }
-    fn stiffness(&self, gradient: Equivalent) -> f64 {
-        let [x, y, xy, _] = self.direction(gradient);
-        let of = self.stress_of([x, y, xy]);
-        x * of[0] + y * of[1] + xy * of[2]
-    }
-    fn flow(&mut self, gradient: Equivalent, multiplier: f64, flow: &mut Flow) {
-        let [x, y, xy, z] = self.direction(gradient);
-        let of = self.stress_of([x, y, xy].map(|n| n * multiplier));
-        (0..3).for_each(|k| self.stress[k] -= of[k]);
-        flow.thickness += z * multiplier;
-    }
 }
 
 fn build(material: &Material) -> LawResult {
@@ -377,46 +283,40 @@ impl Gurson {
 
     /// Returns a stress to the surface; the state gets the plastic strain, the voids and failure.
     /// Returns nothing inside the surface.
-    fn returned(&self, stress: &mut impl Returned, state: &mut VoidState) -> Option<Flow> {
+    fn returned(
+        &self,
+        space: &impl StressSpace,
+        trial: [f64; 3],
+        state: &mut VoidState,
+    ) -> Option<Flow> {
         let failure = self.failure_fraction(state.size);
         let voids = self.voids + state.rise;
         let weakening = self.surface.weakening(voids, failure);
         let [yield_stress, _] = self.hardening.at(state.strain);
-        if self.surface.holds(stress.invariants(), weakening, yield_stress) {
+        if self.surface.holds(space.invariants(trial), weakening, yield_stress) {
             return None;
         }
-        let matrix = 1.0 - voids;
-        let mut flow = Flow { scale: 1.0, ..Flow::default() };
-        for step in 0..=STEPS {
-            let now = self.surface.equivalent(stress.invariants(), weakening);
-            let [yield_stress, slope] = self.hardening.at(state.strain + flow.multiplier / matrix);
-            let off = now.stress - yield_stress;
-            if off.abs() <= TOLERANCE * yield_stress || step == STEPS {
-                // The equivalent stress is homogeneous.
-                flow.scale = if off > 0.0 { yield_stress / now.stress } else { 1.0 };
-                break;
-            }
-            let multiplier = off / (stress.stiffness(now) + slope / matrix);
-            stress.flow(now, multiplier, &mut flow);
-            flow.multiplier += multiplier;
-            flow.volume += now.of_mean * multiplier;
-        }
-        let strain = flow.multiplier / matrix;
-        let grown = match self.compression {
-            Compression::Holds => state.rise + matrix * flow.volume.max(0.0),
-            Compression::Closes(least) => {
-                let grown = state.rise + matrix * flow.volume;
-                // Voids that formed or grew before are no limit of this one.
-                grown.max(least.min(state.rise))
-            }
+        let yielding = Yielding {
+            surface: &self.surface,
+            weakening,
+            hardening: &self.hardening,
+            strain: state.strain,
+            matrix: 1.0 - voids,
         };
-        let [_, mean] = stress.invariants();
+        let flow = yielding.flow(space, trial);
+        let strain = flow.multiplier / (1.0 - voids);
+        let grown = (1.0 - voids) * flow.volume;
+        let rise = match self.compression {
+            Compression::Holds => state.rise + grown.max(0.0),
+            Compression::Closes(least) => (state.rise + grown).max(least),
+        };
+        let [_, mean] = space.invariants(flow.stress);
         let formed = match &self.nucleation {
             Some(nucleation) if mean > 0.0 => nucleation.rate(state.strain + 0.5 * strain) * strain,
             _ => 0.0,
         };
         state.strain += strain;
-        state.rise = (grown + formed).min(MOST_VOIDS - self.voids);
+        state.rise = (rise + formed).min(MOST_VOIDS - self.voids);
         if self.voids + state.rise >= failure {
             state.failed = 1.0;
         }
@@ -432,8 +332,8 @@ impl Gurson {
         lanes: impl Fn(&[f64; LANES32]) -> R,
     ) {
         const STRESS: usize = 3;
-        let elastic = self.elastic.plane_stress();
-        let [c11, c12, g] = elastic.map(R::splat);
+        let plane = Plane { elastic: self.elastic.plane_stress() };
+        let [c11, c12, g] = plane.elastic.map(R::splat);
         let Elastic { youngs_modulus, poisson, .. } = self.elastic;
         let across = R::splat(-poisson / youngs_modulus);
         let states = points.state.chunks_exact_mut(STRESS + self.columns());
@@ -445,9 +345,8 @@ impl Gurson {
             let (stress, history) = state.split_at_mut(STRESS);
             let mut after = [[0.0; LANES32]; 4];
             self.lanes(stress, history, count, &lanes, |trial: &[f64; STRESS], state, lane| {
-                let mut plane = Plane { elastic: &elastic, stress: [trial[0], trial[1], trial[2]] };
-                let Some(flow) = self.returned(&mut plane, state) else { return };
-                (0..3).for_each(|k| after[k][lane] = flow.scale * plane.stress[k] - trial[k]);
+                let Some(flow) = self.returned(&plane, *trial, state) else { return };
+                (0..3).for_each(|k| after[k][lane] = flow.stress[k] - trial[k]);
                 after[3][lane] = flow.thickness;
             });
             // The increment is added, so that elastic lanes keep their bits.
@@ -469,7 +368,7 @@ impl Gurson {
     ) -> R {
         const STRESS: usize = 6;
         let (lame, g) = (self.elastic.lame(), self.elastic.shear_modulus());
-        let elastic = [3.0 * g, self.elastic.bulk_modulus()];
+        let space = Space { three_g: 3.0 * g, bulk: self.elastic.bulk_modulus() };
         let (lame, g) = (R::splat(lame), R::splat(g));
         let eps = point.strain;
         let pressure = lame * (eps[0] + eps[1] + eps[2]);
@@ -483,10 +382,9 @@ impl Gurson {
         self.lanes(stress, history, count, &lanes, |trial: &[f64; STRESS], state, lane| {
             let s = deviator(trial);
             let (mises, mean) = ((1.5 * inner(&s, &s)).sqrt(), trace(trial) / 3.0);
-            let mut space = Space { elastic: &elastic, mises, mean };
-            let Some(flow) = self.returned(&mut space, state) else { return };
-            let kept = if mises > 0.0 { flow.scale * space.mises / mises } else { 1.0 };
-            let mean = flow.scale * space.mean;
+            let Some(flow) = self.returned(&space, [mises, mean, 0.0], state) else { return };
+            let [mises_after, mean, _] = flow.stress;
+            let kept = if mises > 0.0 { mises_after.max(0.0) / mises } else { 1.0 };
             for (k, after) in after.iter_mut().enumerate() {
                 let direct = if k < 3 { mean } else { 0.0 };
                 after[lane] = kept * s[k] + direct - trial[k];

@@ -53,26 +53,24 @@ fn without_voids_it_is_von_mises_plasticity() {
     let (mut sheet, mut sheet_of_mises) = (Sheet::new(&ours), Sheet::new(&mises));
     let (mut cube, mut cube_of_mises) = (Cube::new(&ours), Cube::new(&mises));
     let mut noise = Noise(4);
-    for step in 0..4000 {
-        // The return of a cube is the closest point; that of a sheet differs within a step, 0.1 %
-        // of the strain at yield.
-        let mut eps: [f64; 6] = std::array::from_fn(|_| 1e-6 * noise.next());
-        eps[0] += 2e-6;
+    for step in 0..2000 {
+        let size = [1e-5, 1e-4, 1e-3][step % 3];
+        let eps: [f64; 6] = std::array::from_fn(|_| size * noise.next());
         cube.step(eps, 1.0);
         cube_of_mises.step(eps, 1.0);
         for c in 0..7 {
             let off = cube.state[c] - cube_of_mises.state[c];
-            assert!(off.abs() < 1e-11, "{step} {c}: {off}");
+            assert!(off.abs() < 1e-9 * cube.state[c].abs().max(YIELD), "{step} {c}: {off}");
         }
         sheet.step([eps[0], eps[1], eps[3]], 1.0);
         sheet_of_mises.step([eps[0], eps[1], eps[3]], 1.0);
         for c in 0..4 {
             let off = sheet.state[c] - sheet_of_mises.state[c];
-            assert!(off.abs() < 1e-3 * YIELD, "{step} {c}: {off}");
+            assert!(off.abs() < 1e-8 * sheet.state[c].abs().max(YIELD), "{step} {c}: {off}");
         }
     }
     let through = [&sheet, &sheet_of_mises].map(|sheet| sheet.strain[3]);
-    assert!((through[0] - through[1]).abs() < 1e-6, "{through:?}");
+    assert!((through[0] - through[1]).abs() < 1e-7, "{through:?}");
     assert!(cube.state[6] > 1e-3 && sheet.state[3] > 1e-3, "{}", sheet.state[3]);
 }
 
@@ -171,21 +169,18 @@ fn a_sheet_is_a_cube_with_a_free_side() {
         sheet.step([x, y, 0.0], 1.0);
         for (c, of_cube) in [cube.state[0], cube.state[1]].into_iter().enumerate() {
             let off = (sheet.state[c] - of_cube).abs();
-            // A step is 1 % of the strain at yield.
-            assert!(off < 1e-3 * YIELD, "{step} {c}: {off} of {of_cube}");
+            assert!(off < 1e-8 * YIELD, "{step} {c}: {off} of {of_cube}");
         }
         let off = (sheet.state[4] - cube.at("void_fraction_rise")).abs();
-        // The first step of flow differs by the direction of its trial.
         let rise = cube.at("void_fraction_rise");
-        assert!(off < 1e-2 * rise + 1e-7, "{step}: {off} of {rise}");
+        assert!(off < 1e-7 * rise + 1e-12, "{step}: {off} of {rise}");
         if cube.at("failed") > 0.5 || sheet.state[5] > 0.5 {
             break;
         }
     }
-    assert!((through - sheet.strain[3]).abs() < 1e-4 * through.abs(), "{through}");
-    let off = sheet.state[4] / cube.at("void_fraction_rise") - 1.0;
-    assert!(off.abs() < 1e-3, "{off}");
-    assert!(cube.at("void_fraction_rise") > 0.05, "{}", cube.at("void_fraction_rise"));
+    let thinner = sheet.strain[3] / through - 1.0;
+    assert!(thinner.abs() < 1e-6, "{thinner}");
+    assert!(cube.at("void_fraction_rise") > 0.09, "{}", cube.at("void_fraction_rise"));
 }
 
 /// Coalescence takes the strength; a point fails at the fraction of its size.
@@ -200,7 +195,10 @@ fn points_fail_at_the_fraction_of_their_size() {
         let mut cube = Cube::new(&law);
         cube.set(SIZE_COLUMN, size);
         let (mut most, mut last, mut fraction) = (0.0, 0.0, 0.0);
-        while cube.at("failed") < 0.5 {
+        for _ in 0..20_000 {
+            if cube.at("failed") > 0.5 {
+                break;
+            }
             last = cube.state[0];
             most = f64::max(most, last);
             fraction = 0.02 + cube.at("void_fraction_rise");
