@@ -7,6 +7,7 @@ mod beam;
 mod checkpoint;
 mod contact;
 mod discrete_beam;
+mod failure_group;
 mod joint;
 mod loads;
 mod output;
@@ -29,6 +30,7 @@ pub use beam::{BeamInput, BeamSection, Weld};
 pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
 pub use discrete_beam::{AxisSpring, BeamAxis, DiscreteBeamInput, TurningNode};
+pub use failure_group::FailureGroupInput;
 pub use joint::{JointInput, JointKind, JointResistance};
 pub use loads::{
     BlastInput, Burst, CurveInput, DampingInput, GravityInput, LoadInput, MotionInput,
@@ -157,6 +159,9 @@ pub struct Job {
     /// Joints between rigid bodies.
     #[serde(default)]
     pub joint: Vec<JointInput>,
+    /// Solids that fail together.
+    #[serde(default)]
+    pub failure_group: Vec<FailureGroupInput>,
     /// Nodes tied to surfaces.
     #[serde(default)]
     pub tie: Vec<TieInput>,

@@ -71,6 +71,8 @@ pub struct Settings {
     pub joints: Vec<ResolvedJoint>,
     /// Tied nodes, ascending.
     pub ties: Vec<Tie>,
+    /// Hexahedra that fail together, ascending in each group.
+    pub failure_groups: Vec<Vec<ElemId>>,
     /// Largest step [time], 0 for none.
     pub dt_max: f64,
     /// Number of cycles of an outer step; slow elements are computed in the first of them. 1 if

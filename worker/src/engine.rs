@@ -305,7 +305,8 @@ impl Engine {
         let cycle = self.clock.cycle;
         let _span = tracing::debug_span!("redecomposition", kind = "erosion", cycle).entered();
         self.timer.recorder().iter_mut().for_each(|r| r.moment(Event::Erosion));
-        let failures = erode(comm, &mut self.blocks, &self.nodes, &self.halo)?;
+        let groups = &self.settings.failure_groups;
+        let failures = erode(comm, &mut self.blocks, &self.nodes, &self.halo, groups)?;
         self.inverted.extend(failures.own.iter().filter(|&&id| self.blocks.is_deleted(id)));
         let released = self.constraints.release_failed(comm, &failures.own, &mut self.nodes)?;
         self.erosions += u64::from(self.contact.is_some());

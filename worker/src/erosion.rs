@@ -13,7 +13,7 @@ use crate::parallel::ghosts::Ghosts;
 use crate::parallel::surface_update::Failures;
 use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{CornerNodes, face_key};
-use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_with};
+use crumple_proto::transport::{Mailbox, RankLost, Transport, exchange_with, gather_all};
 use std::collections::HashSet;
 
 /// Number of cycles between two searches for failed elements. Until then a failed element carries
@@ -27,9 +27,9 @@ fn faces_of(nodes: &CornerNodes, faces: &[[usize; 4]]) -> impl Iterator<Item = F
     faces.iter().map(|corners| face_key(corners.map(|c| nodes[c])))
 }
 
-/// Marks own elements that have failed, and frees the faces of own solids that failed solids of any
-/// worker covered. Returns all failures that concern this worker. Its surface must be updated
-/// afterwards. All workers call this together.
+/// Lets the other elements of their `groups` fail, marks own elements that have failed, and frees
+/// the faces of own solids that failed solids of any worker covered. Returns all failures that
+/// concern this worker. Its surface must be updated afterwards. All workers call this together.
 ///
 /// # Errors
 /// A worker is gone.
@@ -38,9 +38,34 @@ pub fn erode(
     blocks: &mut Blocks,
     nodes: &Nodes,
     halo: &Ghosts,
+    groups: &[Vec<ElemId>],
 ) -> Result<Failures, RankLost> {
+    fail_with_others(comm, blocks, groups)?;
     let failed: Vec<usize> = blocks.newly_failed().collect();
     leave_surface(comm, blocks, nodes, halo, &failed)
+}
+
+/// Lets own elements fail in whose group an element of any worker has failed.
+fn fail_with_others(
+    comm: &mut dyn Transport,
+    blocks: &mut Blocks,
+    groups: &[Vec<ElemId>],
+) -> Result<(), RankLost> {
+    if groups.is_empty() {
+        return Ok(());
+    }
+    let failed: HashSet<ElemId> =
+        blocks.newly_failed().map(|i| blocks.elements[i].record.id).collect();
+    let own =
+        groups.iter().enumerate().filter(|(_, group)| group.iter().any(|id| failed.contains(id)));
+    let own: Vec<u64> = own.map(|(index, _)| index as u64).collect();
+    let all = gather_all(comm, own)?;
+    let members: HashSet<ElemId> =
+        all.iter().flatten().flat_map(|&index| &groups[index as usize]).copied().collect();
+    if !members.is_empty() {
+        blocks.fail(&members);
+    }
+    Ok(())
 }
 
 /// Marks these own elements as failed, and frees the faces of own solids that such solids of any

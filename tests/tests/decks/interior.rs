@@ -38,8 +38,8 @@ fn parts_of_solids_have_it() {
     assert!(report.contains("begins at 1.5 of the volume"), "{report}");
 }
 
-/// A soft block under a heavy mass turns inside out; with the contact it is crushed to a few percent
-/// of its volume, and keeps its energy.
+/// A soft block under a heavy mass turns inside out; with the contact it is crushed to a few
+/// percent of its volume, and keeps its energy.
 #[test]
 fn a_crushed_block_does_not_turn_inside_out() {
     let deck = "*KEYWORD\n*CONTROL_TERMINATION\n6.0\n*PART\nblock\n1,1,1\n*SECTION_SOLID\n1,1\n\

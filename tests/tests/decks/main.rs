@@ -48,6 +48,7 @@ mod rigid_parts;
 mod runs;
 mod sets;
 mod simplified_rubber;
+mod solid_welds;
 mod spring_laws;
 mod stops_and_times;
 mod submodels;

@@ -22,6 +22,7 @@ use crumple_proto::ids::ElemId;
 use crumple_proto::mesh::MAX_CORNERS;
 use crumple_proto::partition::{ElementRecord, Settings};
 use crumple_proto::transport::thread_cpu;
+use std::collections::HashSet;
 
 /// An own element, with local node indices.
 #[derive(Clone, Copy, Debug)]
@@ -236,6 +237,17 @@ impl Blocks {
                 .map(|i| b.first + i)
                 .filter(|&i| !self.elements[i].record.failed)
         })
+    }
+
+    /// Lets these own elements fail as by their law, if they can.
+    pub fn fail(&mut self, ids: &HashSet<ElemId>) {
+        for b in &mut self.blocks {
+            let Some(column) = b.element.failure_column() else { continue };
+            let own = self.elements[b.first..b.first + b.count].iter().enumerate();
+            for (i, _) in own.filter(|(_, e)| ids.contains(&e.record.id)) {
+                b.history.set_column(i, column, 1.0);
+            }
+        }
     }
 
     /// Returns true if an own element was deleted because it was inverted, or its step too short.

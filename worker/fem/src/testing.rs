@@ -44,6 +44,7 @@ pub fn settings() -> Settings {
         rigid: Vec::new(),
         joints: Vec::new(),
         ties: Vec::new(),
+        failure_groups: Vec::new(),
         dt_max: 0.0,
         subcycles: 1,
         contact: None,

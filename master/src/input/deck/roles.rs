@@ -252,6 +252,12 @@ const ROLES: &[(&str, &str)] = &[
         "MAT_SPOTWELD",
         "ro=d e=p pr=1 sigy=p eh=p dt=t tfail=t efail=1 nrr=f nrs=f nrt=f mrr=q mss=q mtt=q nf=1",
     ),
+    (
+        "MAT_SPOTWELD_DAMAGE-FAILURE",
+        "ro=d e=p pr=1 sigy=p eh=p dt=t tfail=t efail=1 nrr=f nrs=f nrt=f mrr=q mss=q mtt=q nf=1 \
+         rs=1 opt=1 fval=1 true_t=l asff=1 beta=1 dmgopt=1",
+    ),
+    ("DEFINE_HEX_SPOTWELD_ASSEMBLY", "id_sw=#r eid=#e"),
     ("MAT_VISCOELASTIC", "ro=d bulk=p g0=p gi=p beta=w"),
     ("MAT_BLATZ-KO_RUBBER", "ro=d g=p ref=1"),
     (

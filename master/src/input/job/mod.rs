@@ -24,6 +24,7 @@ mod airbags;
 pub mod axes;
 pub mod centre;
 mod contact;
+mod failure_groups;
 mod files;
 pub mod histories;
 mod include;
@@ -291,6 +292,7 @@ fn build(
     let (mesh, given) = (mesh?, ties.given);
     let smallest = quality.as_ref().map_or(0.0, |q| q.min_side.value);
     let nodes = constrain(&job, &mesh, &mut settings, smallest, findings);
+    settings.failure_groups = failure_groups::resolve(&job, &mesh, (&settings, &blocks), findings);
     particles::check(&job, &mesh, &settings, findings);
     if findings.any_error() {
         return None;

@@ -322,6 +322,7 @@ pub fn settings(
         rigid: Vec::new(),
         joints: Vec::new(),
         ties: Vec::new(),
+        failure_groups: Vec::new(),
         dt_max: job.time.dt_max,
         subcycles: job.time.subcycles.max(1),
         contact,

@@ -408,6 +408,10 @@ impl Element for Hexahedron {
         self.material.failed.is_some()
     }
 
+    fn failure_column(&self) -> Option<usize> {
+        self.material.failed
+    }
+
     fn fields(&self, history: ElementState<'_>, _x: &[[f64; 3]]) -> ElementFields {
         self.material.fields(history, 0)
     }

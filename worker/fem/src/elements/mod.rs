@@ -252,6 +252,11 @@ pub trait Element: Send + Sync {
     /// Returns true if the element can fail.
     fn can_fail(&self) -> bool;
 
+    /// Returns the column of the mark of failure, in elements that can fail with others.
+    fn failure_column(&self) -> Option<usize> {
+        None
+    }
+
     /// Returns the fields of the element with this history at the slot coordinates `x`.
     fn fields(&self, history: ElementState<'_>, x: &[[f64; 3]]) -> ElementFields;
 

@@ -3,7 +3,8 @@
 //! p >= max_pressure,   p <= min_pressure,   sigma_1 >= principal_stress,
 //! sigma_vm >= von_mises,   eps_p >= plastic_strain,   ln V >= volume_strain,
 //! -eps_z >= thinning,   eps_1 >= major_strain,   -ln V >= compression,
-//! sqrt(2/3 e:e) >= effective_strain
+//! sqrt(2/3 e:e) >= effective_strain,
+//! (max(sigma_n, 0)/weld_normal_stress)^2 + (tau/weld_shear_stress)^2 >= 1
 //! ```
 //! with the pressure p (the mean stress with the other sign), the largest principal stress and the
 //! logarithm of the ratio of volumes; a negative limit of `volume_strain` is one of compression.
@@ -11,7 +12,9 @@
 //! principal strain, in shells in the plane, and e the deviator of the strain, in shells without
 //! the transverse shear. All three are of sums of the increments, in axes that turn with the
 //! material. A point fails as soon as one of them holds; its stress is zero from then on. Each
-//! criterion has the key of its name with `erosion_` before it.
+//! criterion has the key of its name with `erosion_` before it. The last one, of spot welds as
+//! solids, is of the normal stress and the shear stress on the plane across the direction from the
+//! face of the nodes 1 to 4 to the other face; a limit that is not given is infinite.
 //!
 //! With `major_strain_start` e_s the stress fades before it: a point carries the share
 //! ```text
@@ -21,12 +24,13 @@
 //!
 //! A law without criteria is not wrapped, so that it runs the same code as before.
 
-use super::tensor::{Principal, deviator, inner, trace};
+use super::tensor::{Principal, deviator, full, inner, trace};
 use super::wrapped::{self, LawModifier, PointColumns, full_stress};
 use super::{
-    DefaultValue, Form, LawResult, ParameterRow, PlaneStress, STRAIN_COLUMN, Solid, SolidLawResult,
+    AXES_COLUMNS, DefaultValue, Form, LawResult, MaterialAxes, ParameterRow, PlaneStress,
+    STRAIN_COLUMN, Solid, SolidLawResult, axes_of,
 };
-use crumple_math::lanes::Real;
+use crumple_math::lanes::{Real, dot};
 use crumple_proto::partition::{Material, Param};
 use crumple_proto::problem::Problem;
 use std::convert::Infallible;
@@ -84,12 +88,20 @@ pub const EROSION: &[ParameterRow] = &[
         "erosion_effective_strain",
         "Effective strain from which on a point fails, elastic and plastic together.",
     ),
+    row(
+        "erosion_weld_normal_stress",
+        "Spot weld: tensile stress across the weld at which a point fails, with the square of the \
+         shear stress over its limit [force/length^2]. For solids; the faces of the nodes 1 to 4 \
+         and 5 to 8 are those on the sheets.",
+    ),
+    row("erosion_weld_shear_stress", "Spot weld: the same for the shear stress [force/length^2]."),
 ];
 
 /// Places in [`EROSION`].
 const MAJOR_STRAIN: usize = 7;
 const START: usize = 9;
 const EFFECTIVE_STRAIN: usize = 10;
+const WELD: [usize; 2] = [11, 12];
 
 /// Column that marks failure.
 const FAILED: &str = "failed";
@@ -160,6 +172,8 @@ struct Erosion {
     strain: Option<usize>,
     /// Column of the share of the stress that has faded.
     faded: Option<usize>,
+    /// First column of the axes of a weld.
+    weld: Option<usize>,
 }
 
 impl Erosion {
@@ -176,9 +190,19 @@ impl Erosion {
         let plane = (strains && !of_solid).then(|| PLANE_STRAIN.map(|name| columns.add(name))[0]);
         let strain = (strains && of_solid).then(|| STRAIN.map(|name| columns.add(name))[0]);
         let faded = limits[START].map(|_| columns.add("erosion faded"));
+        let of_weld = WELD.into_iter().find(|&at| limits[at].is_some());
+        let has_axes = columns.find(AXES_COLUMNS[0]).is_some();
+        let weld = (of_weld.is_some() && of_solid && !has_axes)
+            .then(|| AXES_COLUMNS.map(|name| columns.add(name))[0]);
         let failed = columns.add(FAILED);
         let plastic_strain = columns.find("plastic_strain");
-        let missing = if limits[4].is_some() && plastic_strain.is_none() {
+        let missing = if let Some(at) = of_weld.filter(|_| weld.is_none()) {
+            let why = match of_solid {
+                true => "the law has axes of its own",
+                false => "it is for spot welds as solids",
+            };
+            Some((EROSION[at].key, why))
+        } else if limits[4].is_some() && plastic_strain.is_none() {
             Some((EROSION[4].key, "the law has no plastic strain"))
         } else if let Some(at) = [5, 8].into_iter().find(|&at| limits[at].is_some() && !of_solid) {
             Some((EROSION[at].key, "shells have no change of volume of their own"))
@@ -190,7 +214,7 @@ impl Erosion {
             let message = format!("material '{}': {key} is given, but {why}", material.name);
             return Err(vec![Problem::error(key, message, "remove it")]);
         }
-        Ok(Self { limits, failed, plastic_strain, volume, thickness, plane, strain, faded })
+        Ok(Self { limits, failed, plastic_strain, volume, thickness, plane, strain, faded, weld })
     }
 
     /// Returns the largest principal strain; none if no column has the strain.
@@ -250,6 +274,20 @@ impl Erosion {
         after / before
     }
 
+    /// Returns the left side of the criterion of a weld with these axes.
+    #[inline(always)]
+    fn weld_usage<R: Real>(&self, sig: &[R; 6], axes: &[R]) -> R {
+        let [_, _, normal] = axes_of(axes);
+        let rows = full(*sig);
+        let traction: [R; 3] = std::array::from_fn(|i| dot(rows[i], normal));
+        let direct = dot(traction, normal);
+        let shear = Real::max(direct.neg_mul_add(direct, dot(traction, traction)), R::zero());
+        let direct = Real::max(direct, R::zero());
+        let [of_normal, of_shear] =
+            WELD.map(|at| R::splat(self.limits[at].map_or(0.0, |limit| limit.powi(-2))));
+        of_normal.mul_add(direct * direct, of_shear * shear)
+    }
+
     /// Marks failure by the stress (xx, yy, zz, xy, yz, zx) and the columns; removes the stress of
     /// failed lanes, the first `stress` columns.
     #[inline(always)]
@@ -274,6 +312,9 @@ impl Erosion {
         }
         if let Some(column) = self.plastic_strain {
             at_least(state[column], self.limits[4]);
+        }
+        if let Some(column) = self.weld {
+            at_least(self.weld_usage(sig, &state[column..]), Some(1.0));
         }
         if let Some(column) = self.volume {
             if let Some(limit) = self.limits[5] {
@@ -328,6 +369,10 @@ impl LawModifier for Erosion {
         self.fail(&full_stress(state, strain.len()), state, strain.len());
         left.map_or(of_law, |left| of_law * left)
     }
+
+    fn axes(&self) -> Option<MaterialAxes> {
+        self.weld.map(|_| MaterialAxes::Nodes)
+    }
 }
 
 /// Adds criteria to a law of shells.
@@ -368,6 +413,7 @@ pub fn that_can_fail(law: Box<dyn Solid>) -> Box<dyn Solid> {
             plane: None,
             strain: None,
             faded: None,
+            weld: None,
         })
     };
     match wrapped::solid(law, none) {
@@ -400,6 +446,36 @@ mod tests {
         cube.step(path.map(|e| 1e-3 * e), 1.0);
         assert!(cube.state[..6].iter().all(|s| *s == 0.0), "{:?}", cube.state);
         1e-6 * steps
+    }
+
+    /// A spot weld across z under tension with shear fails on the ellipse of both limits, under
+    /// pressure by shear alone; each limit may stand alone. Its axes are those of the start.
+    #[test]
+    fn welds_fail_on_an_ellipse() {
+        let (normal, shear) = (0.4, 0.3);
+        let limits = [("erosion_weld_normal_stress", normal), ("erosion_weld_shear_stress", shear)];
+        let numbers = [("youngs_modulus", E), ("poisson", 0.0)];
+        let of =
+            |limits: &[(&str, f64)]| material("elastic", &[&numbers[..], limits].concat(), &[]);
+        // Stress zz of E and shear stress of E/2 per strain of the path.
+        let (e, g) = (E, 0.5 * E);
+        for (law, path, wanted) in [
+            (of(&limits), [1.0, 0.0, 1.0, 0.0, 0.0, 0.0], normal / e),
+            (of(&limits), [0.0, 0.0, 0.0, 1.0, 3.0, 4.0], shear / (5.0 * g)),
+            (
+                of(&limits),
+                [0.0, 0.0, 1.0, 0.0, 1.0, 0.0],
+                ((e / normal).powi(2) + (g / shear).powi(2)).powf(-0.5),
+            ),
+            (of(&limits), [0.0, 0.0, -5.0, 0.0, 0.0, 1.0], shear / g),
+            (of(&limits[..1]), [0.0, 0.0, 1.0, 0.0, 9.0, 0.0], normal / e),
+            (of(&limits[1..]), [0.0, 0.0, 9.0, 0.0, 1.0, 0.0], shear / g),
+        ] {
+            let got = fails_at(&law, path);
+            assert!(got >= wanted - 1e-12 && got < wanted + 1.1e-6, "{path:?}: {got} for {wanted}");
+        }
+        let text = problems(&of(&limits));
+        assert!(text.contains("it is for spot welds as solids"), "{text}");
     }
 
     /// Stretched along x with nu = 0, the stress is `(1 - D) E eps` with the share D that grows

@@ -10,9 +10,8 @@
 //! with the plastic strain e of the matrix. A point fails at f = f_F.
 //!
 //! The condition is solved for sig_y: this equivalent stress is a homogeneous convex function of
-//! the stress, so flow along its gradient by `(1 - f) de` does the work above. The return is that to
-//! the closest point, with the voids at the start of the step: the direction of flow is that at the
-//! end of it, which is found by iteration, and the length of flow follows from Newton's method.
+//! the stress, so flow along its gradient by `(1 - f) de` does the work above. The return is that
+//! to the closest point, with the voids at the start of the step (`gurson/flow.rs`).
 //!
 //! Each lane that yields is returned alone, in double precision.
 //!

@@ -36,8 +36,8 @@ use super::parameters::Parameters;
 use super::polyline::{Beyond, RampCurve};
 use super::tensor::{Symmetric, deviator, inner, rotated};
 use super::{
-    AXES_COLUMN, DefaultValue, ELASTIC, Elastic, Form, Law, MaterialAxes, ParameterRow, Solid,
-    SolidLawResult, SolidPoint,
+    AXES_COLUMNS, DefaultValue, ELASTIC, Elastic, Form, Law, MaterialAxes, ParameterRow, Solid,
+    SolidLawResult, SolidPoint, axes_of,
 };
 use crumple_math::lanes::{Lane, Lane32, Real, cross, dot};
 use crumple_proto::partition::{Material, Param};
@@ -219,8 +219,8 @@ fn read(mut parameters: Parameters<'_>, solid: Elastic) -> Result<Honeycomb, Vec
     let g = solid.shear_modulus();
     let full = [solid.youngs_modulus, solid.youngs_modulus, solid.youngs_modulus, g, g, g];
     let bound = (0..6).map(|i| if i < 3 { 1.0 } else { 2.0 } * moduli[i]).fold(0.0, f64::max);
-    let mut names = vec!["volume strain", "compaction", "stiffening", AXES_COLUMN];
-    names.extend(["axis a y", "axis a z", "axis b x", "axis b y - 1", "axis b z"]);
+    let mut names = vec!["volume strain", "compaction", "stiffening"];
+    names.extend(AXES_COLUMNS);
     let mut column = |needed: bool, own: &[&'static str]| {
         let first = 6 + names.len();
         needed.then(|| {
@@ -323,7 +323,7 @@ impl Honeycomb {
         let (zero, one, half) = (R::zero(), R::splat(1.0), R::splat(0.5));
 
         // 1. Strain increment (a tensor) and stress in the axes of the material.
-        let axes = axes_of(state);
+        let axes = axes_of(&state[AXES..]);
         let increment: Symmetric<R> =
             std::array::from_fn(|c| if c < 3 { eps[c] } else { half * eps[c] });
         let increment = rotated(&axes, &increment);
@@ -475,21 +475,6 @@ impl Honeycomb {
         let lost = left - R::splat(1.0);
         (std::array::from_fn(|c| lost.mul_add(s[c], trial[c])), left)
     }
-}
-
-/// Returns the axes a, b, c of a point, orthonormal whatever rounding did to the columns.
-#[inline(always)]
-fn axes_of<R: Real>(state: &[R]) -> [[R; 3]; 3] {
-    let one = R::splat(1.0);
-    let unit = |v: [R; 3]| {
-        let size = dot(v, v).sqrt();
-        v.map(|x| x / size)
-    };
-    let a = unit([state[AXES] + one, state[AXES + 1], state[AXES + 2]]);
-    let b = [state[AXES + 3], state[AXES + 4] + one, state[AXES + 5]];
-    let along = dot(a, b);
-    let b = unit(std::array::from_fn(|i| along.neg_mul_add(a[i], b[i])));
-    [a, b, cross(a, b)]
 }
 
 impl Solid for Honeycomb {

@@ -48,7 +48,7 @@ pub use parameters::Parameters;
 pub(crate) use parameters::unknown_name;
 
 use crate::registry::{Named, Registry};
-use crumple_math::lanes::{Lane, Lane32, Lanes, Real};
+use crumple_math::lanes::{Lane, Lane32, Lanes, Real, cross, dot};
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
 use plasticity::Plasticity;
@@ -209,6 +209,26 @@ pub const STRAIN_COLUMN: &str = "erosion strain xx";
 /// each less the one that it is in a material without a rotation, x and y. So zeros are the global
 /// axes.
 pub const AXES_COLUMN: &str = "axis a x - 1";
+
+/// Columns of the axes of the material of a solid, the first of which is [`AXES_COLUMN`].
+const AXES_COLUMNS: [&str; 6] =
+    [AXES_COLUMN, "axis a y", "axis a z", "axis b x", "axis b y - 1", "axis b z"];
+
+/// Returns the axes a, b, c of a solid with these columns of the axes, orthonormal whatever
+/// rounding did to the columns.
+#[inline(always)]
+fn axes_of<R: Real>(columns: &[R]) -> [[R; 3]; 3] {
+    let one = R::splat(1.0);
+    let unit = |v: [R; 3]| {
+        let size = dot(v, v).sqrt();
+        v.map(|x| x / size)
+    };
+    let a = unit([columns[0] + one, columns[1], columns[2]]);
+    let b = [columns[3], columns[4] + one, columns[5]];
+    let along = dot(a, b);
+    let b = unit(std::array::from_fn(|i| along.neg_mul_add(a[i], b[i])));
+    [a, b, cross(a, b)]
+}
 
 /// Axes of the material of a solid at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]

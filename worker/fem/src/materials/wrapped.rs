@@ -22,6 +22,11 @@ pub trait LawModifier: Send + Sync {
         of_law
     }
 
+    /// Returns the axes of the material that the modifier needs; the law has none of its own then.
+    fn axes(&self) -> Option<MaterialAxes> {
+        None
+    }
+
     /// Returns the result of [`Solid::averages_volume`]; `of_law` is that of the law alone.
     fn averages_volume(&self, of_law: bool) -> bool {
         of_law
@@ -177,7 +182,7 @@ impl<A: LawModifier> Solid for Wrapped<dyn Solid, A> {
         self.law.tensors()
     }
     fn axes(&self) -> Option<MaterialAxes> {
-        self.law.axes()
+        self.law.axes().or_else(|| self.modifier.axes())
     }
     fn elastic(&self) -> Elastic {
         self.law.elastic()

@@ -4,6 +4,7 @@ use super::DeckConverter;
 use super::materials::DeckMaterial;
 use super::sections::DeckSection;
 use super::sets::id;
+use super::solid_welds::WeldLimits;
 use super::space::{cross, unit};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
@@ -152,7 +153,7 @@ impl DeckConverter {
             "no transverse shear"
         };
         let mut used = format!("corotational beam, section {used}; {shear}");
-        if let Some((limits, place)) = material.weld {
+        if let Some((WeldLimits::Forces(limits), place)) = material.weld {
             let mut weld = JobTable::new(place);
             for (key, limit) in ["normal", "shear", "bending", "torsion"].into_iter().zip(limits) {
                 weld.put(key, place, limit);

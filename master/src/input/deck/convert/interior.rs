@@ -1,5 +1,5 @@
-//! Converts `*CONTACT_INTERIOR`: contact inside of the solids of parts, with the attributes of their
-//! set.
+//! Converts `*CONTACT_INTERIOR`: contact inside of the solids of parts, with the attributes of
+//! their set.
 
 use super::DeckConverter;
 use crate::input::deck::record::CardRecord;

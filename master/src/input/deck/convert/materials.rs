@@ -2,6 +2,7 @@
 
 use super::DeckConverter;
 use super::cohesive::{self, CohesiveIntegration};
+use super::solid_welds::WeldLimits;
 use super::tree::JobTable;
 use super::{composites, concrete, metals, soft_materials};
 use crate::input::deck::BEYOND_ALL_STRAINS;
@@ -30,9 +31,8 @@ pub struct DeckMaterial {
     pub turn: f64,
     /// Integration of cohesive elements, if it is for them.
     pub cohesive: Option<CohesiveIntegration>,
-    /// Limits of beams that are welds: normal and shear force [force], bending and torsional
-    /// moment [force length]; with their place.
-    pub weld: Option<([f64; 4], Place)>,
+    /// Limits of welds, with their place.
+    pub weld: Option<(WeldLimits, Place)>,
     /// Stable step below which elements are deleted, if any [time].
     pub deletion_step: Option<(f64, Place)>,
     /// Density [mass/length^3].
@@ -60,6 +60,7 @@ impl DeckMaterial {
 const NO_MODULUS: f64 = 1.0;
 
 const HYDRO: &str = "MAT_ELASTIC_PLASTIC_HYDRO";
+const FAILING_WELD: &str = "MAT_SPOTWELD_DAMAGE-FAILURE";
 
 /// Poisson's ratio of a metal whose bulk modulus is that of its equation of state: only its shear
 /// modulus has an influence.
@@ -72,7 +73,7 @@ const DELETING: [&str; 3] = [
     "MAT_MODIFIED_PIECEWISE_LINEAR_PLASTICITY",
 ];
 
-const KEYWORDS: [&str; 8] = [
+const KEYWORDS: [&str; 9] = [
     "MAT_ELASTIC",
     "MAT_PLASTIC_KINEMATIC",
     "MAT_PIECEWISE_LINEAR_PLASTICITY",
@@ -80,6 +81,7 @@ const KEYWORDS: [&str; 8] = [
     HYDRO,
     "MAT_RIGID",
     "MAT_SPOTWELD",
+    FAILING_WELD,
     "MAT_NULL",
 ];
 
@@ -112,7 +114,7 @@ impl DeckConverter {
                 };
                 let (mut rigid, mut weld, mut cohesive) = (None, None, None);
                 let elastic = match keyword {
-                    "MAT_SPOTWELD" => record.real("sigy") == 0.0,
+                    "MAT_SPOTWELD" | FAILING_WELD => record.real("sigy") == 0.0,
                     _ => matches!(keyword, "MAT_ELASTIC" | "MAT_RIGID" | "MAT_NULL"),
                 };
                 match keyword {
@@ -127,6 +129,7 @@ impl DeckConverter {
                         table.put("youngs_modulus", record.place("ym"), e);
                     }
                     "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
+                    FAILING_WELD => weld = self.failing_weld(&record, &mut table),
                     _ if is_cohesive => {
                         cohesive = Some(self.cohesive(keyword, &record, &mut table));
                     }
@@ -389,11 +392,11 @@ impl DeckConverter {
     }
 
     /// Converts `*MAT_SPOTWELD` and returns the limits of its beams, with zeros for none.
-    fn spot_weld(
+    pub(super) fn spot_weld(
         &mut self,
         record: &CardRecord,
         table: &mut JobTable,
-    ) -> Option<([f64; 4], Place)> {
+    ) -> Option<(WeldLimits, Place)> {
         if record.real("sigy") > 0.0 {
             table.put("law", record.head, "j2");
             table.put("yield_stress", record.place("sigy"), record.real("sigy"));
@@ -426,7 +429,8 @@ impl DeckConverter {
             self.unsupported_value(record, field, "limits as curves over the rate");
         }
         let limits = ["nrr", "nrs", "mss", "mrr"].map(|field| record.real(field).max(0.0));
-        limits.iter().any(|&limit| limit > 0.0).then_some((limits, record.place("nrr")))
+        let given = limits.iter().any(|&limit| limit > 0.0);
+        given.then_some((WeldLimits::Forces(limits), record.place("nrr")))
     }
 
     /// Returns the degrees of freedom that a rigid material fixes.

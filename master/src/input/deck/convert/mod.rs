@@ -42,6 +42,7 @@ mod sensors;
 mod sets;
 mod shells;
 mod soft_materials;
+mod solid_welds;
 pub(in crate::input::deck) mod space;
 mod spring_laws;
 mod springs;
@@ -103,6 +104,10 @@ pub struct DeckConverter {
     used_materials: Vec<i64>,
     /// Mass or volume of the particles of a part, with the place of its first particle.
     particle_sizes: BTreeMap<i64, (particles::ParticleSize, Place)>,
+    /// Parts of solids with limits of welds, with their materials and places; materials of beams
+    /// with such limits.
+    weld_parts: Vec<(i64, i64, Place)>,
+    weld_beams: BTreeSet<i64>,
     /// Cards of equations of state.
     equation_cards: BTreeMap<i64, CardRecord>,
     /// Equations of state of parts of solids, in the order of the deck.
@@ -198,6 +203,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.read_preloads();
     b.parts(&materials, &sections);
     b.preloads_without_fibres();
+    b.solid_welds(&mut materials);
     b.read_element_sets();
     b.segment_sets();
     b.sets();
@@ -272,6 +278,8 @@ impl DeckConverter {
             node_sets: BTreeMap::new(),
             node_set_titles: BTreeMap::new(),
             part_sets: BTreeMap::new(),
+            weld_parts: Vec::new(),
+            weld_beams: BTreeSet::new(),
             segment_sets: BTreeMap::new(),
             element_sets: Default::default(),
             parts: BTreeMap::new(),

@@ -8,6 +8,7 @@ use super::equations::PartEquation;
 use super::inertia::DeckInertia;
 use super::materials::DeckMaterial;
 use super::sections::{self, DeckHourglass, DeckSection, SectionKind, Sections};
+use super::solid_welds::WeldLimits;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
@@ -362,9 +363,23 @@ impl DeckConverter {
                 self.unsupported(record.place("mid"), message, "*MAT_NULL".into());
             }
         }
-        if let (Some((_, at)), true) = (material.weld, kind != SectionKind::Beam) {
-            let message = format!("part {id}: limits of welds are supported for beams only");
-            self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
+        if let Some((limits, at)) = material.weld {
+            let mid = record.integer("mid");
+            match (kind, limits) {
+                (SectionKind::Beam, WeldLimits::Forces(_)) => {
+                    self.weld_beams.insert(mid);
+                }
+                (SectionKind::Solid, _) => self.weld_parts.push((id, mid, record.place("mid"))),
+                (SectionKind::Beam, WeldLimits::Stresses(_)) => {
+                    let message = format!("part {id}: limits of beams that are welds are forces");
+                    self.unsupported(at, message, "*MAT_SPOTWELD_DAMAGE-FAILURE opt 1".into());
+                }
+                _ => {
+                    let message =
+                        format!("part {id}: limits of welds are supported for beams and solids");
+                    self.unsupported(at, message, "*MAT_SPOTWELD nrr".into());
+                }
+            }
         }
     }
 

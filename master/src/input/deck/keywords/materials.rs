@@ -422,10 +422,37 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "law `j2` with the plastic modulus eh, or `elastic` without sigy; efail is \
          `failure_strain`. For beams, nrr, nrs = nrt, mss = mtt and mrr become `[part.beam.weld]`: \
-         normal, shear, bending, torsion. dt (mass scaling) and nf (filter) are not used",
+         normal, shear, bending, torsion. For solids nrr and nrs over the area of a weld become \
+         `erosion_weld_normal_stress` and `erosion_weld_shear_stress`. dt (mass scaling) and nf \
+         (filter) are not used",
     )
     .aliases(&["MAT_100"])
     .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_SPOTWELD_DAMAGE-FAILURE",
+        &[
+            ("heading:l", Count(title)),
+            ("mid:i! ro:r! e:r! pr:r sigy:r eh:r dt:r tfail:r", Once),
+            ("efail:r nrr:r nrs:r nrt:r mrr:r mss:r mtt:r nf:r", Maybe),
+            ("rs:r opt:r fval:r true_t:r asff:i beta:r unused:r dmgopt:r", Maybe),
+        ],
+        "as MAT_SPOTWELD with opt 0; with opt 1 nrr (sigax) and nrs (sigsh) are stresses of \
+         solids. Damage from efail to rs is `softening`",
+    )
+    .unused(&[
+        ignored("true_t", "solids of one point have no moment"),
+        no_effect("fval", "it is for other opt"),
+        no_effect("unused", "no field of the format"),
+    ])
+    .aliases(&["MAT_100_DA"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "DEFINE_HEX_SPOTWELD_ASSEMBLY",
+        &[("id_sw:i!", Once), ("eid:i*8", Rest)],
+        "`[[failure_group]]`: the solids of a spot weld fail together, and limits of their \
+         material that are forces are over their common area",
+    )
+    .options(&["1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "12", "16"]),
     Keyword::new(
         "MAT_NULL",
         &[("heading:l", Count(title)), ("mid:i! ro:r! pc:r mu:r terod:r cerod:r ym:r pr:r", Once)],
