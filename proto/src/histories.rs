@@ -87,6 +87,8 @@ pub struct HistoryShares<N = f64> {
     pub transducers: Vec<[N; 3]>,
     /// State of each airbag, equal on all workers.
     pub airbags: Vec<BagState>,
+    /// Values of each segment, ring and retractor of seat belts, equal on all workers.
+    pub belts: Vec<BeltRecord>,
 }
 
 /// Sums over the elements of a part.
@@ -168,6 +170,19 @@ pub struct BagState {
     pub work: f64,
 }
 
+/// Values of a segment, a ring or a retractor of a seat belt.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BeltRecord {
+    /// Tension before and after a ring; of a segment or at a retractor twice the same [force].
+    pub tensions: [f64; 2],
+    /// Unstretched length of a segment, slip through a ring, pull-out of a retractor [length].
+    pub length: f64,
+    /// Energy that friction in a ring has dissipated or a retractor has taken up [energy].
+    pub energy: f64,
+    /// True for a retractor that is locked.
+    pub locked: bool,
+}
+
 /// Adds the sums `b` of another worker to the sums `a`.
 pub fn merge_each(a: &mut [ExactSum; 3], b: &[ExactSum; 3]) {
     a.iter_mut().zip(b).for_each(|(a, b)| a.merge(b));
@@ -235,6 +250,7 @@ impl HistoryShares<ExactSum> {
             sections: self.sections.iter().map(section).collect(),
             transducers: self.transducers.iter().map(each_value).collect(),
             airbags: self.airbags.clone(),
+            belts: self.belts.clone(),
         }
     }
 }

@@ -4,6 +4,7 @@ mod adaptivity;
 mod added_mesh;
 mod airbag;
 mod beam;
+mod belt;
 mod checkpoint;
 mod contact;
 mod discrete_beam;
@@ -27,6 +28,9 @@ pub use adaptivity::AdaptivityInput;
 pub use added_mesh::{AddedMeshInput, RotationInput};
 pub use airbag::{AirbagInput, InflowInput, VentInput};
 pub use beam::{BeamInput, BeamSection, Weld};
+pub use belt::{
+    BeltInput, BeltSensorInput, BeltsInput, PretensionerInput, RetractorInput, SlipRingInput,
+};
 pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
 pub use discrete_beam::{AxisSpring, BeamAxis, DiscreteBeamInput, TurningNode};
@@ -153,6 +157,9 @@ pub struct Job {
     /// Airbags.
     #[serde(default)]
     pub airbag: Vec<AirbagInput>,
+    /// Rings, retractors, pretensioners and sensors of seat belts.
+    #[serde(default)]
+    pub belts: BeltsInput,
     /// Rigid bodies.
     #[serde(default)]
     pub rigid: Vec<Rigid>,
@@ -238,7 +245,7 @@ pub struct MeshSource {
     /// n2 towards n3. Node n3 need not belong to an element.
     #[serde(default)]
     pub beams: Vec<Vec<u64>>,
-    /// Springs, dampers and discrete beams as `[id, part id, n1, n2]`.
+    /// Springs, dampers, discrete beams and seat belts as `[id, part id, n1, n2]`.
     #[serde(default)]
     pub springs: Vec<Vec<u64>>,
     /// Trusses as `[id, part id, n1, n2]`.
@@ -398,12 +405,15 @@ pub struct Part {
     /// Name in messages, in results and for `--set part.NAME.key`.
     #[serde(default)]
     pub name: String,
-    /// Name of the material. A part of springs, discrete beams or particles has none.
+    /// Name of the material. A part of springs, belts, discrete beams or particles has none.
     #[serde(default)]
     pub material: String,
     /// Makes this a part of springs and dampers.
     #[serde(default)]
     pub spring: Option<SpringInput>,
+    /// Makes this a part of seat belts.
+    #[serde(default)]
+    pub belt: Option<BeltInput>,
     /// Makes this a part of beams.
     #[serde(default)]
     pub beam: Option<BeamInput>,

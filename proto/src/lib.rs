@@ -3,8 +3,8 @@
 //! - [`ids`], [`mesh`], [`job`], [`problem`]: input of the user, and problems in it
 //! - [`quality`]: shape quality of the elements of a mesh
 //! - [`partition`]: data that one worker receives
-//! - [`loads`], [`airbag`], [`rigid`], [`tie`], [`wall`]: loads and prescribed motions, airbags,
-//!   rigid bodies, ties, walls
+//! - [`loads`], [`airbag`], [`belt`], [`rigid`], [`tie`], [`wall`]: loads and prescribed motions,
+//!   airbags, seat belts, rigid bodies, ties, walls
 //! - [`adaptivity`]: division of shells
 //! - [`boxes`]: boxes that tile space
 //! - [`exact_sum`]: sums that do not depend on the order of their terms
@@ -18,6 +18,7 @@
 
 pub mod adaptivity;
 pub mod airbag;
+pub mod belt;
 pub mod boxes;
 pub mod checkpoint;
 #[cfg(not(target_arch = "nvptx64"))]

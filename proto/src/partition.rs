@@ -2,6 +2,7 @@
 //! The same records are sent at start-up and between workers when boxes are renewed.
 
 use crate::adaptivity::AdaptivitySettings;
+use crate::belt::BeltSystem;
 use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
 use crate::job::{Compression, ContactInput, Part, Precision};
@@ -73,6 +74,8 @@ pub struct Settings {
     pub ties: Vec<Tie>,
     /// Hexahedra that fail together, ascending in each group.
     pub failure_groups: Vec<Vec<ElemId>>,
+    /// Seat belts.
+    pub belts: BeltSystem,
     /// Largest step [time], 0 for none.
     pub dt_max: f64,
     /// Number of cycles of an outer step; slow elements are computed in the first of them. 1 if

@@ -497,6 +497,7 @@ impl Engine {
             blocks: &self.blocks,
             loads: &self.loads,
             airbags: &self.airbags,
+            belts: &self.constraints.belts,
             contact: self.contact.as_ref(),
         }
     }

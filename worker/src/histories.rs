@@ -3,6 +3,7 @@
 //! not change the state.
 
 use crate::airbags::Airbags;
+use crate::constraints::belts::Belts;
 use crate::contact::Contact;
 use crate::fem::blocks::Blocks;
 use crate::loads::Loads;
@@ -35,6 +36,8 @@ pub struct HistoryState<'a> {
     pub loads: &'a Loads,
     /// Airbags.
     pub airbags: &'a Airbags,
+    /// Seat belts.
+    pub belts: &'a Belts,
     /// Contact, if the job has any.
     pub contact: Option<&'a Contact>,
 }
@@ -222,6 +225,7 @@ impl Histories {
             sections: self.sections(state),
             transducers,
             airbags: state.airbags.records(),
+            belts: state.belts.records(),
         }
     }
 

@@ -257,7 +257,7 @@ fn accelerate(
     constraints.begin_step(nodes, clock.time);
     blocks.assemble(nodes, cycle.set);
     loads.add_forces(nodes, clock.time, cycle.set);
-    constraints.distribute_forces(comm, nodes)?;
+    constraints.distribute_forces(comm, nodes, (clock.time, cycle.steps))?;
     nodes.accelerate(cycle.steps.dt_velocity);
     loads.apply_damping(nodes, cycle.steps.dt_velocity);
     loads.damp_parts(nodes, clock.time, cycle.steps.dt_velocity);
@@ -420,6 +420,7 @@ fn advance(
     clock.advance();
     let stable_dt = airbags.limit(cycle.agreed.stable_dt);
     let stable_dt = constraints.bonds.limit(stable_dt, settings.safety);
+    let stable_dt = constraints.belts.limit(stable_dt);
     clock.select_dt(settings, stable_dt);
     Ok(())
 }

@@ -85,6 +85,7 @@ impl ObjectFile {
             ObjectTable::Walls => "set output.walls = true",
             ObjectTable::Contacts => "it needs contact of several parts, and output.contacts",
             ObjectTable::Airbags => "it has no [[airbag]]",
+            ObjectTable::Belts => "it has no part with [part.belt]",
         };
         Err(format!("the job writes no {}: {cure}", file_name(table)))
     }

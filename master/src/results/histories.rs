@@ -24,6 +24,7 @@ pub struct HistoryFiles {
     sections: Vec<String>,
     transducers: Vec<String>,
     airbags: Vec<String>,
+    belts: Vec<String>,
     of_parts: Option<CsvTable>,
     of_walls: Option<CsvTable>,
     of_contacts: Option<(CsvTable, CsvTable)>,
@@ -31,13 +32,14 @@ pub struct HistoryFiles {
     of_sections: Option<CsvTable>,
     of_transducers: Option<CsvTable>,
     of_airbags: Option<CsvTable>,
+    of_belts: Option<CsvTable>,
     /// Indices of the parts in contact.
     touching: Vec<u32>,
     last_walls: (f64, Vec<[f64; 3]>),
 }
 
 /// Names of all files.
-pub const NAMES: [&str; 8] = [
+pub const NAMES: [&str; 9] = [
     "parts.csv",
     "walls.csv",
     "contacts.csv",
@@ -46,6 +48,7 @@ pub const NAMES: [&str; 8] = [
     "sections.csv",
     "transducers.csv",
     "airbags.csv",
+    "belts.csv",
 ];
 
 impl HistoryFiles {
@@ -77,6 +80,7 @@ impl HistoryFiles {
             sections: asked.sections.iter().map(|s| s.name.clone()).collect(),
             transducers: asked.transducers.iter().map(|t| t.name.clone()).collect(),
             airbags: settings.loads.airbags.iter().map(|bag| bag.name.clone()).collect(),
+            belts: settings.belts.names(),
             of_parts: open(ObjectTable::Parts)?,
             of_walls: open(ObjectTable::Walls)?,
             of_contacts: match open(ObjectTable::Contacts)? {
@@ -87,6 +91,7 @@ impl HistoryFiles {
             of_sections: open(ObjectTable::Sections)?,
             of_transducers: open(ObjectTable::Transducers)?,
             of_airbags: open(ObjectTable::Airbags)?,
+            of_belts: open(ObjectTable::Belts)?,
             touching: touching(model).collect(),
             last_walls: {
                 let (time, mut impulses) =
@@ -107,6 +112,7 @@ impl HistoryFiles {
             &mut self.of_sections,
             &mut self.of_transducers,
             &mut self.of_airbags,
+            &mut self.of_belts,
         ];
         single.into_iter().flatten().chain(contacts)
     }
@@ -214,6 +220,15 @@ impl HistoryFiles {
             }
             table.flush()?;
         }
+        if let Some(table) = &mut self.of_belts {
+            for (name, belt) in self.belts.iter().zip(&shares.belts) {
+                let [before, after] = belt.tensions;
+                let locked = f64::from(u8::from(belt.locked));
+                let numbers = [before, after, belt.length, belt.energy, locked];
+                put(table, [time.clone(), name.clone()], numbers)?;
+            }
+            table.flush()?;
+        }
         Ok(())
     }
 }
@@ -228,6 +243,7 @@ pub fn file_name(table: ObjectTable) -> &'static str {
         ObjectTable::Sections => NAMES[5],
         ObjectTable::Transducers => NAMES[6],
         ObjectTable::Airbags => NAMES[7],
+        ObjectTable::Belts => NAMES[8],
     }
 }
 
@@ -242,6 +258,7 @@ pub fn is_written(model: &Model, table: ObjectTable) -> bool {
         ObjectTable::Sections => !asked.sections.is_empty(),
         ObjectTable::Transducers => !asked.transducers.is_empty(),
         ObjectTable::Airbags => !settings.loads.airbags.is_empty(),
+        ObjectTable::Belts => !settings.belts.is_empty(),
     }
 }
 
@@ -258,7 +275,8 @@ pub fn words(table: ObjectTable) -> usize {
         ObjectTable::Sections
         | ObjectTable::Transducers
         | ObjectTable::Walls
-        | ObjectTable::Airbags => 1,
+        | ObjectTable::Airbags
+        | ObjectTable::Belts => 1,
     }
 }
 
@@ -284,6 +302,7 @@ pub fn objects(model: &Model, table: ObjectTable) -> Vec<Vec<String>> {
         ObjectTable::Airbags => {
             settings.loads.airbags.iter().map(|bag| vec![bag.name.clone()]).collect()
         }
+        ObjectTable::Belts => settings.belts.names().into_iter().map(|name| vec![name]).collect(),
     }
 }
 
@@ -338,6 +357,17 @@ fn columns(table: ObjectTable, units: &Labels) -> FileColumns {
                 ("work", energy),
             ];
             FileColumns::new(&["airbag"], state, none)
+        }
+        ObjectTable::Belts => {
+            let number = &String::new();
+            let state = [
+                ("tension", force),
+                ("tension beyond", force),
+                ("length", length),
+                ("energy", energy),
+                ("locked", number),
+            ];
+            FileColumns::new(&["belt"], state, none)
         }
     }
 }

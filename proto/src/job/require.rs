@@ -41,7 +41,7 @@ pub struct Quantity {
     pub history: Option<String>,
     /// File of the column of `history`, if that is not `history.csv`.
     pub table: Option<ObjectTable>,
-    /// Entry of the table: the name of a part, section, transducer, wall, airbag, or of an
+    /// Entry of the table: the name of a part, section, transducer, wall, airbag, of an object of a belt, or of an
     /// `[[output.node]]` with one node; the id of a part or node; or name and id of a node, such
     /// as `head 7`.
     pub of: Option<String>,
@@ -102,11 +102,13 @@ pub enum ObjectTable {
     Contacts,
     /// `airbags.csv`.
     Airbags,
+    /// `belts.csv`.
+    Belts,
 }
 
 impl ObjectTable {
     /// All tables.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Nodes,
         Self::Parts,
         Self::Sections,
@@ -114,6 +116,7 @@ impl ObjectTable {
         Self::Walls,
         Self::Contacts,
         Self::Airbags,
+        Self::Belts,
     ];
 }
 

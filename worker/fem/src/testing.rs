@@ -45,6 +45,7 @@ pub fn settings() -> Settings {
         joints: Vec::new(),
         ties: Vec::new(),
         failure_groups: Vec::new(),
+        belts: Default::default(),
         dt_max: 0.0,
         subcycles: 1,
         contact: None,

@@ -1,12 +1,12 @@
 //! Constraints on velocities: prescribed motion, rigid bodies, rigid walls and ties, and the order
-//! in which they act; and the bonds that ties leave when they fail.
+//! in which they act; the bonds that ties leave when they fail; and seat belts.
 //!
 //! [`Constraints`] owns all of them. Every method calls them in the order of their precedence in
 //! that stage of the step; where two constraints act on one node, the later one decides:
 //!
 //! | stage | order |
 //! |---|---|
-//! | forces | forces of bonds; ties: forces on slaves go to their masters |
+//! | forces | forces of bonds and belts; ties: forces on slaves go to their masters |
 //! | velocities without contact | prescribed motion, bodies, joints, motion of walls, tied slaves |
 //! | during contact | walls stop single nodes; rigid bodies and joints carry their members |
 //! | after contact | masters of ties, walls, rigid bodies, joints, tied slaves |
@@ -14,6 +14,7 @@
 //!
 //! After contact, masters have the contact forces of their slaves before they reach a wall.
 
+pub mod belts;
 pub mod bonds;
 pub mod prescribed;
 pub mod rigid;
@@ -28,6 +29,7 @@ use crate::math::row::Row;
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crate::work::WorkSum;
+use belts::Belts;
 use bonds::Bonds;
 use crumple_proto::ids::ElemId;
 use crumple_proto::partition::Settings;
@@ -51,6 +53,8 @@ pub struct Constraints {
     pub ties: Ties,
     /// Bonds of ties that have failed.
     pub bonds: Bonds,
+    /// Seat belts.
+    pub belts: Belts,
     /// Touched nodes with their velocities after contact and before walls [length/time].
     before_walls: Vec<(u32, Row)>,
 }
@@ -83,6 +87,7 @@ impl Constraints {
             walls: Walls::new(&settings.walls, &settings.loads.curves),
             ties,
             bonds: Bonds::default(),
+            belts: Belts::new(&settings.belts),
             before_walls: Vec::new(),
         })
     }
@@ -161,8 +166,10 @@ impl Constraints {
         &mut self,
         comm: &mut dyn Transport,
         nodes: &mut Nodes,
+        now: (f64, StepSizes),
     ) -> Result<(), RankLost> {
         self.bonds.add_forces(comm, nodes)?;
+        self.belts.add_forces(comm, nodes, &self.bodies, now)?;
         self.ties.distribute_forces(comm, nodes)
     }
 
@@ -221,6 +228,7 @@ impl Constraints {
         if !self.bonds.is_empty() {
             self.bonds.add_work(nodes, steps, &mut ledger.links);
         }
+        self.belts.add_work(nodes, steps, ledger);
         if nodes.me == 0 {
             // All workers know it: count it once.
             ledger.wall.total.add(self.walls.work_on_masses());

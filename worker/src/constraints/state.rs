@@ -1,7 +1,8 @@
-//! State of all constraints for a checkpoint. Every worker has all rigid bodies, walls, ties and
-//! bonds with the same values, so it is stored once.
+//! State of all constraints for a checkpoint. Every worker has all rigid bodies, walls, ties,
+//! bonds and seat belts with the same values, so it is stored once.
 
 use super::Constraints;
+use super::belts::{BeltState, Belts};
 use super::bonds::Bonds;
 use super::prescribed::Prescribed;
 use super::rigid::Bodies;
@@ -18,6 +19,7 @@ pub struct ConstraintState {
     walls: Vec<WallState>,
     ties: Ties,
     bonds: Bonds,
+    belts: BeltState,
 }
 
 /// State of all constraints, as it is written.
@@ -27,6 +29,7 @@ pub struct ConstraintStateView<'a> {
     walls: Vec<WallState>,
     ties: &'a Ties,
     bonds: &'a Bonds,
+    belts: &'a BeltState,
 }
 
 impl ConstraintState {
@@ -45,7 +48,8 @@ impl ConstraintState {
         }
         self.bodies.validate(settings)?;
         self.ties.validate(&settings.ties)?;
-        self.bonds.validate(&settings.ties)
+        self.bonds.validate(&settings.ties)?;
+        self.belts.validate(&settings.belts)
     }
 }
 
@@ -66,8 +70,8 @@ impl Constraints {
     /// [`Walls::impulses`], are sums of one worker and not part of it.
     pub fn state(&self) -> ConstraintStateView<'_> {
         // Prescribed motions are functions of time; `before_walls` belongs to one step.
-        let Self { prescribed: _, bodies, walls, ties, bonds, before_walls: _ } = self;
-        ConstraintStateView { bodies, walls: walls.state(), ties, bonds }
+        let Self { prescribed: _, bodies, walls, ties, bonds, belts, before_walls: _ } = self;
+        ConstraintStateView { bodies, walls: walls.state(), ties, bonds, belts: belts.state() }
     }
 
     /// Builds the constraints of a run that continues from a state.
@@ -83,6 +87,7 @@ impl Constraints {
             walls,
             ties: state.ties,
             bonds: state.bonds,
+            belts: Belts::restore(&settings.belts, state.belts),
             before_walls: Vec::new(),
         }
     }

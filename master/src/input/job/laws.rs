@@ -119,7 +119,9 @@ impl BuiltElements {
                 }
             };
             let idle = match &settings.parts[index] {
-                Part { spring: Some(_), .. } | Part { discrete_beam: Some(_), .. } => Shape::Line2,
+                Part { spring: Some(_), .. }
+                | Part { belt: Some(_), .. }
+                | Part { discrete_beam: Some(_), .. } => Shape::Line2,
                 Part { beam: Some(_), .. } => Shape::Beam2,
                 Part { truss: Some(_), .. } => Shape::Truss2,
                 Part { particles: Some(_), .. } => Shape::Point1,

@@ -12,8 +12,8 @@
 //! 4. `resolve.rs`: ranges and defaults; `laws.rs`: materials and elements of the worker;
 //!    `units.rs`
 //! 5. `state.rs`: initial state of nodes and elements, `springs.rs`: stable step of springs;
-//!    `loads.rs`, `airbags.rs`, `walls.rs`: loads, airbags and walls; `histories.rs`: recorded
-//!    quantities
+//!    `loads.rs`, `airbags.rs`, `belts`, `walls.rs`: loads, airbags, seat belts and walls;
+//!    `histories.rs`: recorded quantities
 //!
 //! A stage that finds errors repairs the data as well as possible, so that the next stage can
 //! continue. `report.rs` shows all errors at once. No input may cause a panic here; a panic is a
@@ -22,6 +22,7 @@
 mod adaptivity;
 mod airbags;
 pub mod axes;
+mod belts;
 pub mod centre;
 mod contact;
 mod failure_groups;
@@ -437,10 +438,12 @@ fn constrain(
     settings.loads = loads::resolve(job, mesh, &sets, smallest, &mut nodes, findings);
     settings.loads.absorbers = non_reflecting::resolve(job, mesh, settings, &sets, findings);
     settings.walls = walls::resolve(job, &sets, findings);
+    settings.belts = belts::resolve(job, mesh, settings, &sets, &mut nodes, findings);
     settings.rigid = rigid::resolve(job, mesh, settings, &sets, &mut nodes, findings);
     settings.joints = joints::resolve(job, findings);
     ties::join(&mut settings.ties, &mut settings.rigid, &sets, &mut nodes, findings);
     ties::lead(&settings.ties, &mut settings.loads.motions, findings);
+    belts::loosen(settings, mesh, &sets, &nodes);
     settings.histories = histories::resolve(job, mesh, settings, &sets, findings);
     settings.followed = springs::followed(job, settings, &sets, findings);
     let turning = turning_parts(job);

@@ -323,6 +323,7 @@ pub fn settings(
         joints: Vec::new(),
         ties: Vec::new(),
         failure_groups: Vec::new(),
+        belts: Default::default(),
         dt_max: job.time.dt_max,
         subcycles: job.time.subcycles.max(1),
         contact,

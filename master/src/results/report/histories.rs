@@ -30,12 +30,13 @@ const fn kind(name: &'static str, kind: &'static str, words: usize) -> KindFile 
 }
 
 /// The files. The first one has the times of all.
-const FILES: [KindFile; 8] = [
+const FILES: [KindFile; 9] = [
     kind("history.csv", "model", 0),
     kind("walls.csv", "wall", 1),
     kind("sections.csv", "section", 1),
     kind("transducers.csv", "transducer", 1),
     kind("airbags.csv", "airbag", 1),
+    kind("belts.csv", "belt", 1),
     kind("contacts.csv", "contact of part", 2),
     kind("nodes.csv", "node", 2),
     kind("parts.csv", "part", 2),

@@ -105,6 +105,7 @@ impl Sheet {
             name: String::new(),
             material: String::new(),
             spring: None,
+            belt: None,
             beam: None,
             truss: None,
             discrete_beam: None,

@@ -3,6 +3,7 @@
 //! Elements are computed in groups: lane l of every vector belongs to element l of the group.
 
 mod beam;
+mod belt;
 mod belytschko_tsay;
 mod bounds;
 mod c0_triangle;
@@ -57,6 +58,7 @@ mod truss;
 mod unstrained_tests;
 mod wedge;
 
+pub use belt::is_steeper;
 pub use cohesive::COHESIVE;
 pub use parameters::HourglassForm;
 pub use pass::{ElementNodalForces, ElementPass, GroupNodes, PassTotals, energy_places};
@@ -370,6 +372,7 @@ pub const ELEMENTS: &[ElementEntry] = &[
     particle::ROW,
     spring::ROW,
     discrete_beam::ROW,
+    belt::ROW,
 ];
 
 /// Builds the element for a part's elements of one shape, or returns all problems of the part and
@@ -591,6 +594,7 @@ pub fn points_of(part: &Part) -> usize {
 fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> {
     let sections = [
         ("spring", part.spring.is_some(), Shape::Line2),
+        ("belt", part.belt.is_some(), Shape::Line2),
         ("beam", part.beam.is_some(), Shape::Beam2),
         ("truss", part.truss.is_some(), Shape::Truss2),
         ("discrete_beam", part.discrete_beam.is_some(), Shape::Line2),
@@ -603,9 +607,10 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
     }
     let of_shape = |row: &&ElementEntry| row.shape == shape;
     let named = part.element.as_deref();
-    let wanted = match part.discrete_beam {
-        Some(_) => Some("discrete_beam"),
-        None => named.filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8)),
+    let wanted = match (&part.discrete_beam, &part.belt) {
+        (Some(_), _) => Some("discrete_beam"),
+        (_, Some(_)) => Some("belt"),
+        _ => named.filter(|_| matches!(shape, Shape::Quad4 | Shape::Hex8)),
     };
     // Other solids than hexahedra have one formulation each, which the name of another solid does
     // not exclude: a part may have all of them.

@@ -249,7 +249,7 @@ fn number(
 }
 
 /// Reports the error in the points of a curve, if any. Returns true if there is none.
-fn points(key: &str, points: &[[f64; 2]], say: &mut AddSpringProblem<'_>) -> bool {
+pub(super) fn points(key: &str, points: &[[f64; 2]], say: &mut AddSpringProblem<'_>) -> bool {
     let name = key.rsplit('.').next().unwrap_or(key);
     let fault = match PiecewiseLinear::fault(points) {
         None if points.is_empty() => Some("has no points".into()),

@@ -19,6 +19,7 @@ pub fn part(thickness: f64) -> Part {
         name: String::new(),
         material: "sheet".into(),
         spring: None,
+        belt: None,
         beam: None,
         truss: None,
         discrete_beam: None,
