@@ -14,9 +14,10 @@ pub struct BeltInput {
     /// `[strain, force]` that begin with [0, 0]. The force may not fall; beyond the last point it
     /// continues with the last slope. A belt that is shorter carries nothing [1, force].
     pub force_strain: Vec<[f64; 2]>,
-    /// Tension over the strain when the belt is unloaded, in the same form; both numbers ascend.
-    /// The curve is shifted along the strain to the largest strain so far, and has to be at least
-    /// as steep as `force_strain` at the same force. Without it the belt is elastic [1, force].
+    /// Tension over the strain when the belt is unloaded from beyond the second point of
+    /// `force_strain`, in the same form; both numbers ascend. The curve is shifted along the strain
+    /// to the largest strain so far, and has to be at least as steep as `force_strain` at the same
+    /// force. Up to that point, and without this curve, the belt is elastic [1, force].
     #[serde(default)]
     pub unloading: Vec<[f64; 2]>,
     /// Mass per unstretched length; each element gives half of it to each of its nodes, where it

@@ -8,6 +8,7 @@ mod airbags;
 mod barlat;
 mod bars;
 mod base;
+mod belts;
 mod blast;
 mod body_forces;
 mod broken_meshes;

@@ -3,6 +3,7 @@
 mod airbags;
 mod bars;
 mod beams;
+mod belts;
 mod cohesive;
 mod composites;
 mod discrete_beams;

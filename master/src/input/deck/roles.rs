@@ -129,6 +129,32 @@ const ROLES: &[(&str, &str)] = &[
     ("ELEMENT_MASS_PART", "addmass=m finmass=m lcid=#f:t:m mwd=1"),
     ("ELEMENT_MASS_NODE_SET", "mass=m"),
     ("ELEMENT_SEATBELT_ACCELEROMETER", "sbacid=#e nid3=#n igrav=1 intopt=1 mass=m"),
+    ("ELEMENT_SEATBELT", "sbrid=#e slen=l"),
+    ("SECTION_SEATBELT", "area=l2 thick=l"),
+    (
+        "MAT_SEATBELT",
+        "mpul=h llcid=#f:1:f ulcid=#f:1:f lmin=l cse=1 damp=1 e=p a=l2 i=l4 j=l4 as=l2 f=f m=q r=1",
+    ),
+    (
+        "ELEMENT_SEATBELT_SLIPRING",
+        "sbsrid=#e sbid1=#e sbid2=#e fc=1 sbrnid=#n ltime=t fcs=1 onid=#n k=1 funcid=#f direct=1 \
+         dc=1/v unused=1 lcnffd=#f lcnffs=#f",
+    ),
+    (
+        "ELEMENT_SEATBELT_RETRACTOR",
+        "sbrid=#e sbrnid=#n sbid=#e sid1=#e sid2=#e sid3=#e sid4=#e dsid=#e tdel=t pull=l \
+         llcid=#f:l:f ulcid=#f:l:f lfed=l lcfl=#f:t:f flopt=1",
+    ),
+    (
+        "ELEMENT_SEATBELT_PRETENSIONER",
+        "sbprid=#e sbprty=1 sbsid1=#e sbsid2=#e sbsid3=#e sbsid4=#e sbrid=#e time=t \
+         ptlcid=#f:t:l lmtfrc=f",
+    ),
+    (
+        "ELEMENT_SEATBELT_SENSOR",
+        "sbsid=#e sbstyp=1 sbsfl=1 dof=1 acc=a atime=t sbrid=#e pulrat=v pultim=t time=t dmx=l \
+         dmn=l field=1",
+    ),
     ("ELEMENT_BEAM", "rt1=1 rr1=1 rt2=1 rr2=1 local=1 vx=@d pid1=#p pid2=#p"),
     ("ELEMENT_DISCRETE", "s=1 pf=1 offset=l"),
     ("ELEMENT_SPH", "mass=m nend=#n"),

@@ -8,22 +8,26 @@ use crate::piecewise_linear::PiecewiseLinear;
 pub struct TensionCurve {
     loading: PiecewiseLinear,
     unloading: Option<PiecewiseLinear>,
+    /// Largest way up to which unloading is as loading.
+    elastic: f64,
 }
 
 impl TensionCurve {
-    /// Builds the curve from its points; without points for unloading it is elastic.
-    pub fn new(loading: &[[f64; 2]], unloading: &[[f64; 2]]) -> Self {
+    /// Builds the curve from its points; without points for unloading it is elastic, with them up to
+    /// the way `elastic`.
+    pub fn new(loading: &[[f64; 2]], unloading: &[[f64; 2]], elastic: f64) -> Self {
         let line = |points: &[[f64; 2]]| PiecewiseLinear::new(points, 0.0);
         Self {
             loading: line(loading),
             unloading: Some(unloading).filter(|points| !points.is_empty()).map(line),
+            elastic,
         }
     }
 
     /// Returns the tension at a way, with the largest way so far [force].
     pub fn at(&self, way: f64, largest: f64) -> f64 {
         let force = match &self.unloading {
-            Some(unloading) if way < largest => {
+            Some(unloading) if way < largest && largest > self.elastic => {
                 let met = unloading.first_at(self.loading.value(largest));
                 unloading.value(way - largest + met)
             }
@@ -55,16 +59,19 @@ mod tests {
 
     #[test]
     fn unloading_begins_where_loading_has_ended() {
-        let curve = TensionCurve::new(&[[0.0, 0.0], [0.1, 1.0], [0.2, 1.5]], &[[0.0, 0.0], [0.05, 2.0]]);
+        let (loading, unloading) =
+            ([[0.0, 0.0], [0.1, 1.0], [0.2, 1.5]], [[0.0, 0.0], [0.05, 2.0]]);
+        let curve = TensionCurve::new(&loading, &unloading, 0.1);
         let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
         close(curve.at(0.05, 0.05), 0.5);
+        close(curve.at(0.05, 0.1), 0.5);
         close(curve.at(0.2, 0.2), 1.5);
         close(curve.at(0.2 - 0.0125, 0.2), 1.0);
         close(curve.at(0.1, 0.2), 0.0);
         close(curve.at(-0.1, 0.0), 0.0);
         close(curve.way_at(1.25), 0.15);
         close(curve.steepest(), 40.0);
-        let elastic = TensionCurve::new(&[[0.0, 0.3], [1.0, 0.3]], &[]);
+        let elastic = TensionCurve::new(&[[0.0, 0.3], [1.0, 0.3]], &[], 0.0);
         assert_eq!([-1.0, 0.0, 2.0].map(|way| elastic.at(way, 2.0)), [0.3; 3]);
         assert_eq!(elastic.way_at(0.7), 0.0);
     }

@@ -1,8 +1,8 @@
 //! Seat belts: chains of segments with tension only, slip rings, retractors and pretensioners.
 //!
 //! A segment with the unstretched length l between nodes at the distance L has the strain
-//! `L/l - 1` and a tension by its curve ([`curve`]), with damping `c (dL/dt)/l` while it is under
-//! tension. The unstretched lengths change where belt slides through a ring or comes out of a
+//! `L/l - 1` and a tension by its curve ([`curve`]), with damping in proportion to the rate of the
+//! strain, `(dL/dt)/l - (L/l) (dl/dt)/l`, while it is under tension. The unstretched lengths change where belt slides through a ring or comes out of a
 //! retractor ([`slip`]): there the tensions of the present positions are in equilibrium with
 //! friction, or with the tension of the retractor. This has no inertia, so the mass of a node stays
 //! as belt slides past it. Nodes pass rings and go in and out of retractors ([`path`]); the impulse
@@ -22,8 +22,8 @@
 mod curve;
 mod devices;
 mod path;
-mod slip;
 mod sliding;
+mod slip;
 
 use super::rigid::Bodies;
 use crate::energy::Ledger;
@@ -32,7 +32,7 @@ use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crate::work::Work;
 use bytemuck::{Pod, Zeroable};
-use crumple_proto::belt::BeltSystem;
+use crumple_proto::belt::{BeltLaw, BeltSystem};
 use crumple_proto::histories::BeltRecord;
 use crumple_proto::ids::NodeId;
 use crumple_proto::transport::{RankLost, Transport, gather_all};
@@ -118,6 +118,11 @@ impl BeltState {
     }
 }
 
+/// Returns the curve of a law. It is elastic up to its second point.
+fn belt_curve(law: &BeltLaw) -> TensionCurve {
+    TensionCurve::new(&law.loading, &law.unloading, law.loading[1][0])
+}
+
 /// All seat belts.
 #[derive(Debug, Default)]
 pub struct Belts {
@@ -146,11 +151,11 @@ impl Belts {
             ends.iter().for_each(|node| *segments_at.entry(*node).or_default() += 1.0);
         }
         Self {
-            laws: job.laws.iter().map(|l| TensionCurve::new(&l.loading, &l.unloading)).collect(),
+            laws: job.laws.iter().map(belt_curve).collect(),
             reels: job
                 .retractors
                 .iter()
-                .map(|r| TensionCurve::new(&r.loading, &r.unloading))
+                .map(|r| TensionCurve::new(&r.loading, &r.unloading, 0.0))
                 .collect(),
             nodes: job.nodes(),
             segments_at,
@@ -259,7 +264,7 @@ impl Belts {
             let push = V3::from(passage.impulse) / steps.dt_velocity;
             forces.extend([(passage.node, push), (passage.anchor, -push)]);
         }
-        self.pull(&motions, steps.dt, &mut forces);
+        self.pull(&motions, [steps.dt_before(), steps.dt], &mut forces);
         self.state.mid = steps.dt_velocity;
         self.acting.clear();
         for (id, force) in forces {
@@ -301,8 +306,13 @@ impl Belts {
     }
 
     /// Lists the forces of segments, and those that keep wound up nodes at their retractors. Sets
-    /// the stable step. `dt` is the next step [time].
-    fn pull(&mut self, motions: &NodeMotions, dt: f64, forces: &mut Vec<(NodeId, V3)>) {
+    /// the stable step. The steps are those before and after the present time [time].
+    fn pull(
+        &mut self,
+        motions: &NodeMotions,
+        [step, next]: [f64; 2],
+        forces: &mut Vec<(NodeId, V3)>,
+    ) {
         self.stable_dt = f64::INFINITY;
         for (index, job) in self.job.paths.iter().enumerate() {
             let path = &mut self.state.paths[index];
@@ -327,7 +337,9 @@ impl Belts {
                 segment.largest = segment.largest.max(strain);
                 let elastic = if strain > 0.0 { curve.at(strain, segment.largest) } else { 0.0 };
                 if elastic > 0.0 {
-                    let rate = along.dot(&(b.v - a.v)) / segment.length;
+                    let fed = if step > 0.0 { segment.fed / step } else { 0.0 };
+                    let parts = along.dot(&(b.v - a.v));
+                    let rate = (parts - (1.0 + strain) * fed) / segment.length;
                     segment.tension = (elastic + damping * rate).max(0.0);
                     forces.push((ends[0], along * segment.tension));
                     forces.push((ends[1], -along * segment.tension));
@@ -338,7 +350,7 @@ impl Belts {
                 let c = softness * damping / segment.length;
                 self.stable_dt = self.stable_dt.min(4.0 / (c + (c * c + 4.0 * k).sqrt()));
             }
-            let period = FOLLOWS * dt;
+            let period = FOLLOWS * next;
             for (&(id, _), reel) in path.nodes.iter().zip(&wound) {
                 let Some(reel) = reel else { continue };
                 let (own, to) = (&motions[&id], &motions[reel]);

@@ -30,6 +30,8 @@ pub struct SegmentState {
     pub largest: f64,
     /// Tension of the last step, with damping [force].
     pub tension: f64,
+    /// Belt that has come in during the last step [length].
+    pub fed: f64,
 }
 
 /// State of a path.
@@ -95,7 +97,8 @@ impl PathState {
         own.sort_unstable();
         wanted.sort_unstable();
         let sound = |s: &SegmentState| {
-            s.length.is_finite() && s.length >= 0.0 && s.largest.is_finite() && s.tension.is_finite()
+            let SegmentState { length, largest, tension, fed } = *s;
+            [length, largest, tension, fed].iter().all(|n| n.is_finite()) && length >= 0.0
         };
         own == wanted
             && self.segments.len() == job.segments.len()
@@ -138,11 +141,10 @@ impl PathState {
         let passed = self.put(next, (place, end), (piece, whole.length), rate, motions);
         let joined = self.segments[drained].length;
         self.segments[beyond].length += joined;
-        let of_piece = SegmentState { length: piece, ..whole };
-        self.segments[cut].length = whole.length - piece;
-        self.segments[drained] = of_piece;
+        self.segments[beyond].fed = self.segments[drained].fed;
+        self.segments[cut] = SegmentState { length: whole.length - piece, fed: 0.0, ..whole };
+        self.segments[drained] = SegmentState { length: piece, ..whole };
         self.nodes.swap(place, next);
-        // Now the joined segment is next to the ring, then the ring, the piece, and the rest.
         Some(passed)
     }
 
@@ -157,6 +159,7 @@ impl PathState {
         }
         let joined = self.segments[drained].length;
         self.segments[beyond].length += joined;
+        self.segments[beyond].fed = self.segments[drained].fed;
         self.segments[drained] = SegmentState::default();
         self.nodes.swap(place, next);
         Some(node)
@@ -183,7 +186,7 @@ impl PathState {
         }
         let passed = self.put(first, (place, end), (piece, whole.length), rate, motions);
         self.segments[inside] = SegmentState { length: piece, ..whole };
-        self.segments[outside].length = whole.length - piece;
+        self.segments[outside] = SegmentState { length: whole.length - piece, fed: 0.0, ..whole };
         self.nodes.swap(place, first);
         Some(passed)
     }
@@ -219,11 +222,8 @@ mod tests {
     fn path(lengths: [f64; 4]) -> (PathState, NodeMotions) {
         let segment = |length| SegmentState { length, ..SegmentState::default() };
         let nodes = (1..=5).map(|id| (NodeId(id), id != 3)).collect();
-        let at = |id: u64| NodeMotion {
-            x: V3::new(id as f64, 0.0, 0.0),
-            v: V3::zeros(),
-            inv_mass: 1.0,
-        };
+        let at =
+            |id: u64| NodeMotion { x: V3::new(id as f64, 0.0, 0.0), v: V3::zeros(), inv_mass: 1.0 };
         let motions = (1..=5).map(|id| (NodeId(id), at(id))).collect();
         (PathState { nodes, segments: lengths.map(segment).to_vec() }, motions)
     }

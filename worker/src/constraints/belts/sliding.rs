@@ -59,6 +59,8 @@ impl<'a> Sliding<'a> {
         let slips: Vec<f64> = state.rings.iter().map(|ring| ring.slip).collect();
         let pull_outs: Vec<f64> = state.retractors.iter().map(|r| r.pull_out).collect();
         let mut pulled = pulled.to_vec();
+        let segments = state.paths.iter_mut().flat_map(|path| &mut path.segments);
+        segments.for_each(|segment| segment.fed = 0.0);
         for _ in 0..TURNS {
             let mut settled = true;
             for (ring, before) in slips.iter().enumerate() {
@@ -129,8 +131,10 @@ impl<'a> Sliding<'a> {
         own.dissipated +=
             0.5 * moved * (tensions[tight] - tensions[1 - tight] + after[0] - after[1]).abs();
         own.tensions = if tight == 0 { after } else { [after[1], after[0]] };
-        path.segments[into].length += moved;
-        path.segments[out].length -= moved;
+        for (segment, moved) in [(into, moved), (out, -moved)] {
+            path.segments[segment].length += moved;
+            path.segments[segment].fed += moved;
+        }
         let beyond = is_short && after[0] > ratio * after[1];
         if beyond {
             let rate = self.rate((own.slip - before).abs());
@@ -181,6 +185,7 @@ impl<'a> Sliding<'a> {
         }
         let length = span.length;
         path.segments[mouth].length += moved;
+        path.segments[mouth].fed += moved;
         if length + moved <= CLOSE * least && wants_more {
             if let Some(node) = path.wind_up(place, open) {
                 let to = self.motions[&job.node];

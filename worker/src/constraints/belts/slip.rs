@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     fn linear() -> TensionCurve {
-        TensionCurve::new(&[[0.0, 0.0], [1.0, 100.0]], &[])
+        TensionCurve::new(&[[0.0, 0.0], [1.0, 100.0]], &[], 0.0)
     }
 
     fn span(curve: &TensionCurve, distance: f64, length: f64) -> Span<'_> {

@@ -487,6 +487,11 @@ impl Rows {
         self.beams.iter().map(|e| (written(e.id), e.part)).collect()
     }
 
+    /// Returns the id of a spring from that with which it was added.
+    pub fn spring_id(&self, added: ElemId) -> ElemId {
+        ElemId(added.0.saturating_add(self.raised[1]))
+    }
+
     /// Adds a spring, which is written at `place`.
     pub fn spring(&mut self, id: ElemId, part: u32, ends: [NodeId; 2], place: Place) {
         let Place::Deck { file, start, end } = place else { return };

@@ -3,6 +3,7 @@
 mod airbags;
 mod barlat;
 mod beams;
+mod belts;
 mod blast;
 mod body_forces;
 mod cohesive;
@@ -116,6 +117,7 @@ pub struct DeckConverter {
     spring_scales: BTreeMap<i64, (f64, Place)>,
     spring_laws: BTreeMap<i64, CardRecord>,
     discrete_beam_laws: BTreeMap<i64, CardRecord>,
+    belts: belts::DeckBelts,
     /// Parts of discrete beams; true if their section has a coordinate system.
     discrete_beam_parts: BTreeMap<u32, bool>,
     /// Preloads of parts of beams.
@@ -187,6 +189,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.encrypted(texts);
     b.second_order();
     b.springs();
+    b.belt_elements();
     b.discrete_beam_laws();
     b.beams();
     b.rows.number_apart(&mut b.mapping);
@@ -229,6 +232,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.pressures();
     b.non_reflecting();
     b.airbags();
+    b.belts();
     b.walls();
     b.interior_contacts();
     b.tiebreaks();
@@ -290,6 +294,7 @@ impl DeckConverter {
             spring_scales: BTreeMap::new(),
             spring_laws: BTreeMap::new(),
             discrete_beam_laws: BTreeMap::new(),
+            belts: belts::DeckBelts::default(),
             discrete_beam_parts: BTreeMap::new(),
             preloads: BTreeMap::new(),
             round_parts: BTreeSet::new(),

@@ -98,6 +98,12 @@ impl DeckConverter {
                 self.spring_part(&record, section, &name);
                 continue;
             }
+            if section.is_some_and(|section| section.kind == SectionKind::Belt) {
+                self.parts
+                    .insert(id, DeckPart { rigid: None, material: None, inertia: None, place });
+                self.belt_part(&record, &name);
+                continue;
+            }
             if let Some(section) = section.filter(|_| is_discrete_beam) {
                 self.discrete_beam_part(&record, section, &name);
                 continue;
@@ -233,7 +239,7 @@ impl DeckConverter {
                 self.thick_shell(record, material, (section, sections), elements, &mut table)
             }
             SectionKind::Beam => self.beam_part(record, section, material, &mut table),
-            SectionKind::Discrete | SectionKind::Particle => {}
+            SectionKind::Discrete | SectionKind::Particle | SectionKind::Belt => {}
         }
         self.check_material(record, material, section.kind, &mut table);
         let step = material.deletion_step.filter(|_| material.rigid.is_none());
@@ -273,6 +279,10 @@ impl DeckConverter {
                     message,
                     "give it another *MAT_..., or a *SECTION_DISCRETE",
                 );
+            } else if self.belts.laws().any(|law| *law == mid) {
+                let message = format!("part {id}: material {mid} is for seat belts only");
+                let help = "give it another *MAT_..., or a *SECTION_SEATBELT";
+                self.trouble.error(record.place("mid"), message, help);
             } else if self.discrete_beam_laws.contains_key(&mid) {
                 let message =
                     format!("part {id}: material {mid} is for discrete beams (elform 6) only");

@@ -29,6 +29,8 @@ pub enum SectionKind {
     Beam,
     /// Particles.
     Particle,
+    /// Seat belts.
+    Belt,
 }
 
 /// Settings for all parts from `*CONTROL_SHELL`, `*CONTROL_HOURGLASS` and
@@ -120,6 +122,7 @@ impl DeckConverter {
             ("SECTION_BEAM", SectionKind::Beam),
             ("SECTION_DISCRETE", SectionKind::Discrete),
             ("SECTION_SPH", SectionKind::Particle),
+            ("SECTION_SEATBELT", SectionKind::Belt),
         ];
         for (keyword, kind) in kinds {
             for record in self.take_records(keyword) {

@@ -41,6 +41,13 @@ pub fn write(
     let of_shells: Vec<&Part> = model.settings.parts.iter().filter(|part| is_shell(part)).collect();
     let common = shell_settings(deck, &of_shells);
     for part in &model.settings.parts {
+        if part.belt.is_some() {
+            return Err(format!(
+                "part {} is a seat belt: seat belts cannot be written as a deck; leave its \
+                 elements and [belts] out",
+                part.label()
+            ));
+        }
         if let Some(spring) = &part.spring {
             springs::part(deck, part, spring, next);
             next += 1;

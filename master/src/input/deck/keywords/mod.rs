@@ -2,6 +2,7 @@
 //! `convert` builds the model from it.
 
 mod airbags;
+mod belts;
 mod cohesive;
 mod composites;
 mod concrete;
@@ -37,6 +38,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
     ("Airbags", airbags::KEYWORDS),
+    ("Seat belts", belts::KEYWORDS),
     ("Rigid bodies and constraints", constraints::KEYWORDS),
     ("Joints", joints::KEYWORDS),
     ("Contact and rigid walls", contact::KEYWORDS),

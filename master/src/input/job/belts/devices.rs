@@ -11,6 +11,9 @@ use crumple_proto::job::{BeltSensorInput, PretensionerInput, RetractorInput, Sli
 use crumple_worker::fem::elements::is_steeper;
 use crumple_worker::piecewise_linear::PiecewiseLinear;
 
+/// Distance over the smallest length of elements up to which nodes are at the same place.
+const SAME: f64 = 1e-6;
+
 /// Resolves all devices into `system`, which has its paths.
 pub fn resolve(system: &mut BeltSystem, space: &mut BeltSpace<'_>, sets: &NodeSets<'_>) {
     let belts = &space.job.belts;
@@ -171,7 +174,8 @@ impl DeviceCheck<'_, '_> {
         self.need("lock_time", lock_time, lock_time >= 0.0, "0 or above");
         let (node, path, place) = self.on_path(ring.node, paths, sets, taken)?;
         if place == 0 || place + 1 == paths[path].nodes.len() {
-            let message = format!("node {} is an end of its belt, and nothing can slide", ring.node);
+            let message =
+                format!("node {} is an end of its belt, and nothing can slide", ring.node);
             self.fault("node", message, "name a node between two elements of a belt");
             return None;
         }
@@ -202,7 +206,13 @@ impl DeviceCheck<'_, '_> {
 
     /// Reports faults of points: they have to ascend from `first`; the second numbers too, or with
     /// `flat` not fall. Returns true if there are none.
-    fn points(&mut self, key: &str, points: &[[f64; 2]], first: [Option<f64>; 2], flat: bool) -> bool {
+    fn points(
+        &mut self,
+        key: &str,
+        points: &[[f64; 2]],
+        first: [Option<f64>; 2],
+        flat: bool,
+    ) -> bool {
         let fault = match PiecewiseLinear::fault(points) {
             None if points.is_empty() => Some("has no points".to_string()),
             None if !points.iter().flatten().all(|x| x.is_finite()) => Some("is not finite".into()),
@@ -254,7 +264,7 @@ impl DeviceCheck<'_, '_> {
         }
         let sensors = self.sensors(&reel.sensors, sensors);
         let (node, path, place) = self.on_path(reel.node, &system.paths, sets, taken)?;
-        let before = self.wound_side(reel, &system.paths[path], place)?;
+        let before = self.wound_side(reel, system, path, place)?;
         let own = &system.paths[path];
         let mouth = own.segments[if before { place } else { place - 1 }];
         let least = system.laws[mouth.law].min_length;
@@ -273,9 +283,17 @@ impl DeviceCheck<'_, '_> {
     }
 
     /// Returns true if what comes before a retractor is wound up, false for what comes after it.
-    fn wound_side(&mut self, reel: &RetractorInput, path: &BeltPath, place: usize) -> Option<bool> {
+    fn wound_side(
+        &mut self,
+        reel: &RetractorInput,
+        system: &BeltSystem,
+        path: usize,
+        place: usize,
+    ) -> Option<bool> {
+        let path = &system.paths[path];
+        let least = path.segments.first().map_or(0.0, |s| system.laws[s.law].min_length);
         let at_one_place = |ends: &[NodeId]| {
-            ends.windows(2).all(|pair| self.space.distance(pair[0], pair[1]) == 0.0)
+            ends.windows(2).all(|pair| self.space.distance(pair[0], pair[1]) <= SAME * least)
         };
         let wound = [at_one_place(&path.nodes[..=place]), at_one_place(&path.nodes[place..])];
         match wound {
@@ -335,12 +353,8 @@ impl DeviceCheck<'_, '_> {
     ) -> Option<BeltSensor> {
         let BeltSensorInput { time, acceleration, pull_out_rate, nodes, duration, .. } = *sensor;
         self.need("duration", duration, duration >= 0.0, "0 or above");
-        let given = [
-            time.is_some(),
-            acceleration.is_some(),
-            pull_out_rate.is_some(),
-            nodes.is_some(),
-        ];
+        let given =
+            [time.is_some(), acceleration.is_some(), pull_out_rate.is_some(), nodes.is_some()];
         if given.iter().filter(|given| **given).count() != 1 {
             let message = format!("sensor `{}` has no kind or several", sensor.name);
             let help = "give one of `time`, `acceleration`, `pull_out_rate` and `nodes`";

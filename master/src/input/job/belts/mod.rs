@@ -87,9 +87,11 @@ pub fn loosen(settings: &mut Settings, mesh: &Mesh, sets: &NodeSets<'_>, nodes: 
     held.extend(settings.belts.retractors.iter().map(|retractor| retractor.node));
     let ends = settings.belts.paths.iter().flat_map(|path| {
         let ends = [path.nodes.first(), path.nodes.last()];
-        let is_reel = |n: &&NodeId| settings.belts.retractors.iter().any(|r| {
-            path.nodes.contains(&r.node) && (r.before == (path.nodes.first() == Some(*n)))
-        });
+        let is_reel = |n: &&NodeId| {
+            settings.belts.retractors.iter().any(|r| {
+                path.nodes.contains(&r.node) && (r.before == (path.nodes.first() == Some(*n)))
+            })
+        };
         ends.into_iter().flatten().filter(|n| !is_reel(n)).copied().collect::<Vec<_>>()
     });
     held.extend(ends.collect::<Vec<_>>());

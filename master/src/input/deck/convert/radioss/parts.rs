@@ -108,7 +108,7 @@ impl StarterConverter {
             }
             SectionKind::Beam => self.beam_property(id, of, table),
             SectionKind::ThickShell => self.thick_shell_property(id, (of, properties), table),
-            SectionKind::Discrete | SectionKind::Particle => {}
+            SectionKind::Discrete | SectionKind::Particle | SectionKind::Belt => {}
         }
         if contact > 0.0 && kind != SectionKind::Shell {
             let asked = format!("thickness {contact} in contact");
