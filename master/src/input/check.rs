@@ -354,6 +354,18 @@ fn loads(model: &Model, out: &mut String) -> std::fmt::Result {
             bag.faces.len()
         )?;
     }
+    let belts = &model.settings.belts;
+    if !belts.is_empty() {
+        let elements: usize = belts.paths.iter().map(|path| path.segments.len()).sum();
+        writeln!(
+            out,
+            "seat belts   {}: {elements} elements, {} rings, {} retractors, {} pretensioners",
+            belts.paths.len(),
+            belts.rings.len(),
+            belts.retractors.len(),
+            belts.pretensioners.len()
+        )?;
+    }
     let ties = &model.settings.ties;
     if !ties.is_empty() {
         let turning = ties.iter().filter(|t| t.rotations).count();

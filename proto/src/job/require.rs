@@ -41,9 +41,9 @@ pub struct Quantity {
     pub history: Option<String>,
     /// File of the column of `history`, if that is not `history.csv`.
     pub table: Option<ObjectTable>,
-    /// Entry of the table: the name of a part, section, transducer, wall, airbag, of an object of a belt, or of an
-    /// `[[output.node]]` with one node; the id of a part or node; or name and id of a node, such
-    /// as `head 7`.
+    /// Entry of the table: the name of a part, section, transducer, wall, airbag, or of an
+    /// `[[output.node]]` with one node; the id of a part or node; name and id of a node, such
+    /// as `head 7`; or kind and name of an object of a seat belt, such as `ring D-ring`.
     pub of: Option<String>,
     /// Entry of the table whose values are subtracted, named as in `of`. The difference of a vector
     /// is that of its components.

@@ -23,7 +23,8 @@ fn model(scene: &Scene) -> Model {
 fn part(scene: &mut Scene, mass: f64, min_length: f64, more: &str) {
     scene.add(&format!(
         "[[part]]\nid = 1\n[part.belt]\n\
-         force_strain = [[0.0, 0.0], [0.001, {:?}], [1.0, {EA:?}]]\nmass_per_length = {mass:?}\nmin_length = {min_length:?}\n{more}",
+         force_strain = [[0.0, 0.0], [0.001, {:?}], [1.0, {EA:?}]]\n\
+         mass_per_length = {mass:?}\nmin_length = {min_length:?}\n{more}",
         0.001 * EA
     ));
 }
@@ -130,8 +131,8 @@ impl Atwood {
     }
 }
 
-/// A unit mass at each end of a belt with `count` elements on each side of a ring, at which it turns
-/// by 90 degrees. The belt has these tensions at the start.
+/// A unit mass at each end of a belt with `count` elements on each side of a ring, at which it
+/// turns by 90 degrees. The belt has these tensions at the start.
 fn over_a_ring(
     (forces, tensions): ([f64; 2], [f64; 2]),
     (count, mass): (usize, f64),
@@ -183,7 +184,8 @@ fn masses_over_a_ring_accelerate_as_atwood_says() {
         let (forces, time) = ([3.0, 1.0], 5.0);
         let exact = Atwood::new(forces, friction);
         let ring = format!("friction = {friction:?}");
-        let (scene, nodes) = over_a_ring((forces, exact.tensions), (1, LIGHT), time, &ring);
+        let (mut scene, nodes) = over_a_ring((forces, exact.tensions), (1, LIGHT), time, &ring);
+        scene.time("dt_max = 0.01");
         let (mut ledger, mut worst) = (Ledger::default(), 0.0f64);
         let mut length = None;
         let end = run_alone(&model(&scene), |e| {
@@ -197,7 +199,8 @@ fn masses_over_a_ring_accelerate_as_atwood_says() {
         let ring = records(&end)[2];
         assert!((ring.tensions[0] / ring.tensions[1] - exact.ratio).abs() < 1e-9, "{ring:?}");
         // Unstretched, as it comes from the second side.
-        let slid = 0.5 * exact.acceleration * time * time / (1.0 + exact.tensions[1] / EA);
+        let last = time - end.clock.last_dt;
+        let slid = 0.5 * exact.acceleration * last * last / (1.0 + exact.tensions[1] / EA);
         assert!((ring.length / slid - 1.0).abs() < 2e-3, "{} {slid}", ring.length);
         let heat = (exact.tensions[0] - exact.tensions[1]) * slid;
         assert!((ring.energy - heat).abs() <= 2e-3 * heat + 1e-9, "{} {heat}", ring.energy);
@@ -266,7 +269,8 @@ fn a_retractor_lets_belt_out_and_locks() {
          [belts]\nunstretched = [{ids}]\n\
          [[belts.sensor]]\nname = \"time\"\ntime = 2.0\n\
          [[belts.retractor]]\nname = \"reel\"\nnode = {reel}\nsensors = [\"time\"]\ndelay = 1.0\n\
-         force_pull_out = [[0.0, 1.0], [5.0, 6.0], [6.0, 6.0]]\nunloading = [[0.0, 0.0], [1.0, 6.0]]"
+         force_pull_out = [[0.0, 1.0], [5.0, 6.0], [6.0, 6.0]]\n\
+         unloading = [[0.0, 0.0], [1.0, 6.0]]"
     ));
     let (mut ledger, mut before, mut begin, mut speed) = (Ledger::default(), 0.0, None, 0.0);
     let mut largest = 0.0f64;
@@ -317,7 +321,8 @@ fn a_pretensioner_pulls_belt_in() {
             "[[belts.sensor]]\nname = \"time\"\ntime = 1.0\n\
              [[belts.retractor]]\nname = \"reel\"\nnode = {}\n\
              force_pull_out = [[0.0, 0.0], [1.0, 1000.0]]\n\
-             [[belts.pretensioner]]\nname = \"charge\"\nretractor = \"reel\"\nsensors = [\"time\"]\n\
+             [[belts.pretensioner]]\nname = \"charge\"\nretractor = \"reel\"\n\
+             sensors = [\"time\"]\n\
              pull_in = [[0.0, 0.0], [3.0, 0.5]]\n{limit}",
             nodes[2]
         ));
@@ -325,8 +330,9 @@ fn a_pretensioner_pulls_belt_in() {
         let end = run_alone(&model(&scene), |e| ledger.record(e));
         let reel = records(&end)[2];
         assert!(reel.locked);
-        // Locked with its own tension, it lets nothing out but for small swings.
-        assert!((reel.tensions[0] / tension - 1.0).abs() < 0.01, "{reel:?} {tension}");
+        // Locked with its own tension, it lets nothing out except in small swings of the node
+        // between.
+        assert!((reel.tensions[0] / tension - 1.0).abs() < 0.02, "{reel:?} {tension}");
         let strain = tension / EA;
         let work = 0.5 * tension * 10.0 * strain / (1.0 + strain);
         let external = end.ledger.energies(&end.nodes, &end.blocks).values().external;
@@ -394,8 +400,9 @@ fn belts_are_the_same_on_any_workers_and_after_a_restart() {
     let model = plates(12.0);
     let mut reels: Vec<BeltRecord> = Vec::new();
     let last = run_alone(&model, |e| reels.extend(records(e).last()));
-    assert!(reels.iter().any(|r| r.length < -5.0) && reels[reels.len() - 1].length > 0.0);
-    assert!(reels.iter().any(|r| !r.locked) && reels[reels.len() - 1].locked);
+    let pulled_in: f64 = reels.windows(2).map(|r| (r[0].length - r[1].length).max(0.0)).sum();
+    assert!(pulled_in > 1.0, "{pulled_in}");
+    assert!(!reels[0].locked && reels[reels.len() - 1].locked);
     assert!(records(&last)[records(&last).len() - 2].length.abs() > 10.0, "it slides");
     let one = run_side_by_side(&model, 1, 1_000_000, 0);
     for (workers, force) in [(2, 0), (3, 400), (5, 150)] {

@@ -13,8 +13,8 @@ pub struct TensionCurve {
 }
 
 impl TensionCurve {
-    /// Builds the curve from its points; without points for unloading it is elastic, with them up to
-    /// the way `elastic`.
+    /// Builds the curve from its points; without points for unloading it is elastic, with them up
+    /// to the way `elastic`.
     pub fn new(loading: &[[f64; 2]], unloading: &[[f64; 2]], elastic: f64) -> Self {
         let line = |points: &[[f64; 2]]| PiecewiseLinear::new(points, 0.0);
         Self {

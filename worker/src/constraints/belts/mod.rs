@@ -2,16 +2,17 @@
 //!
 //! A segment with the unstretched length l between nodes at the distance L has the strain
 //! `L/l - 1` and a tension by its curve ([`curve`]), with damping in proportion to the rate of the
-//! strain, `(dL/dt)/l - (L/l) (dl/dt)/l`, while it is under tension. The unstretched lengths change where belt slides through a ring or comes out of a
-//! retractor ([`slip`]): there the tensions of the present positions are in equilibrium with
-//! friction, or with the tension of the retractor. This has no inertia, so the mass of a node stays
-//! as belt slides past it. Nodes pass rings and go in and out of retractors ([`path`]); the impulse
-//! that changes the velocity of such a node acts on the ring or retractor in the other direction.
-//! Wound up nodes follow their retractor on a stiff spring with a damper.
+//! strain, `(dL/dt)/l - (L/l) (dl/dt)/l`, while it is under tension. The unstretched lengths change
+//! where belt slides through a ring or comes out of a retractor ([`slip`]): there the tensions of
+//! the present positions are in equilibrium with friction, or with the tension of the retractor.
+//! This has no inertia, so the mass of a node stays as belt slides past it. Nodes pass rings and go
+//! in and out of retractors ([`path`]); the impulse that changes the velocity of such a node acts
+//! on the ring or retractor in the other direction. Wound up nodes follow their retractor on a
+//! stiff spring with a damper.
 //!
-//! The mass of a node is shared among its segments, so that a segment of the stiffness k and the
-//! damping c is stable between masses with `mu = sum of n/M` with the steps of
-//! [`crate::fem::elements::Discrete`]; n is the number of segments at the node.
+//! The mass M of a node is shared among its n segments. A segment of the stiffness k and the
+//! damping c between two nodes is stable as long as `k mu dt^2 + 2 c mu dt <= 4`, as a spring, with
+//! `mu = sum of n/M` over its nodes.
 //!
 //! Work: what belts and retractors take from the nodes is internal energy. What a pretensioner does
 //! is external work.

@@ -5,8 +5,8 @@
 //! next node passes: it changes places with the ring in the path, which joins the short segment to
 //! the one beyond it and cuts a piece off the segment on the other side. The unstretched length of
 //! the path does not change. The node is put on the straight line of that segment, at the strain
-//! that it has, so that the tensions of both sides do not change but for the difference between
-//! the joined segments. It gets the velocity of the belt there: in a segment of the unstretched
+//! that it has, so that the tensions of both sides change only by the difference between the joined
+//! segments. It gets the velocity of the belt there: in a segment of the unstretched
 //! length l from the ring at `x_0` to `x_1`, into which belt slides at the rate w, the material at
 //! the unstretched distance s from the ring has
 //! `v = v_0 + (s/l) (v_1 - v_0) + (x_1 - x_0) (w/l) (1 - s/l)`.
@@ -191,8 +191,8 @@ impl PathState {
         Some(passed)
     }
 
-    /// Returns where the node at `which` is put in the segment between two places, at an unstretched
-    /// distance of a length from the first.
+    /// Returns where the node at `which` is put in the segment between two places, at an
+    /// unstretched distance of a length from the first.
     fn put(
         &self,
         which: usize,

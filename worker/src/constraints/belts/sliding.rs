@@ -1,5 +1,5 @@
-//! Sliding of belts in a step, at the positions of the present time: rings and retractors take turns
-//! until nothing moves any more.
+//! Sliding of belts in a step, at the positions of the present time: rings and retractors take
+//! turns until nothing moves any more.
 
 use super::curve::TensionCurve;
 use super::path::{PassedNode, PathState, Side};
@@ -27,7 +27,7 @@ pub struct Passage {
     pub impulse: [f64; 3],
 }
 
-/// What a step has moved besides lengths of segments.
+/// Result of the sliding of a step, besides the lengths of segments.
 #[derive(Clone, Debug, Default)]
 pub struct Slid {
     /// Nodes that have passed, in their order.
@@ -48,7 +48,7 @@ pub struct Sliding<'a> {
     pub motions: &'a mut NodeMotions,
     /// Present time, and the step to it [time].
     pub times: [f64; 2],
-    /// What has moved.
+    /// Result.
     pub slid: Slid,
 }
 

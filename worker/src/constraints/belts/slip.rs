@@ -33,9 +33,9 @@ impl Span<'_> {
     }
 }
 
-/// Returns the length that moves through a ring into the `tight` segment from the other one, so that
-/// its tension is at most `ratio` times that of the other; at most so much that the other one keeps
-/// the length `least` [length].
+/// Returns the length that moves through a ring into the `tight` segment from the other one, so
+/// that its tension is at most `ratio` times that of the other; at most so much that the other one
+/// keeps the length `least` [length].
 pub fn through_ring(tight: &Span<'_>, loose: &Span<'_>, ratio: f64, least: f64) -> f64 {
     let beyond = |moved: f64| tight.pull(moved) - ratio * loose.pull(-moved);
     if beyond(0.0) <= 0.0 {

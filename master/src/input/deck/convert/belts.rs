@@ -32,7 +32,7 @@ pub struct DeckBelts {
     laws: BTreeMap<i64, CardRecord>,
     rings: Vec<CardRecord>,
     retractors: Vec<CardRecord>,
-    /// What has been added to the ids, because springs have them too.
+    /// Number that has been added to the ids, because springs have them too.
     raise: u64,
 }
 
@@ -127,8 +127,8 @@ impl DeckConverter {
         Some((0..3).map(|c| (b[c] - a[c]).powi(2)).sum::<f64>().sqrt())
     }
 
-    /// Puts the node of a ring or retractor into all elements in place of `from`, which has to be at
-    /// the same place.
+    /// Puts the node of a ring or retractor into all elements in place of `from`, which has to be
+    /// at the same place.
     fn put_anchor(&mut self, record: &CardRecord, from: NodeId, ends: [NodeId; 2]) {
         let place = record.place("sbrnid");
         let Some(to) = id(record.integer("sbrnid")) else { return };

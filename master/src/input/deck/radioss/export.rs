@@ -110,6 +110,12 @@ pub fn export(model: &Model, name: &str) -> Result<StarterDeck, String> {
             part.id
         ));
     }
+    if let Some(part) = model.settings.parts.iter().find(|p| p.belt.is_some()) {
+        return Err(format!(
+            "part {}: seat belts cannot be written as a Radioss deck: remove them from the mesh",
+            part.id
+        ));
+    }
     if let Some(element) = model.mesh.elements.iter().find(|e| e.shape == Shape::Cohesive8) {
         return Err(format!(
             "part {}: cohesive elements cannot be written as a Radioss deck: remove them from the \

@@ -1,5 +1,5 @@
-//! Rings, retractors, pretensioners and sensors of seat belts: their places in the paths, and checks
-//! of their numbers.
+//! Rings, retractors, pretensioners and sensors of seat belts: their places in the paths, and
+//! checks of their numbers.
 
 use super::super::state::NodeSets;
 use super::super::validate::nearest;

@@ -36,6 +36,7 @@ pub fn resolve(
         let help = "leave it out here: a run continues with all its belts";
         findings.add(Problem::error("restart.delete", message, help));
     }
+    in_contact(job, &laws, findings);
     let place: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
     let mut space = BeltSpace { job, place, lengths: HashMap::new(), findings };
     space.read_lengths(&elements);
@@ -65,6 +66,21 @@ fn law(belt: &BeltInput) -> BeltLaw {
         unloading: belt.unloading.clone(),
         damping: belt.damping,
         min_length: belt.min_length,
+    }
+}
+
+/// Warns of belts that the job names for contact.
+fn in_contact(job: &Job, laws: &HashMap<u32, usize>, findings: &mut JobProblems) {
+    let Some(contact) = &job.contact else { return };
+    for (i, one) in contact.each().enumerate() {
+        let path = if i == 0 { "contact".into() } else { format!("contact.interface.{}", i - 1) };
+        for (key, parts) in [("parts", &one.parts), ("against", &one.against)] {
+            if let Some(part) = parts.iter().find(|part| laws.contains_key(part)) {
+                let message = format!("part {part} is a seat belt, which takes no part in contact");
+                let help = "remove it here; lead the belt over bodies by [[belts.ring]]";
+                findings.add(Problem::warning(format!("{path}.{key}"), message, help));
+            }
+        }
     }
 }
 
