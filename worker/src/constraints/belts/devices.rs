@@ -1,6 +1,6 @@
 //! Sensors, retractors and pretensioners of seat belts: their states in time.
 
-use super::NodeMotions;
+use super::BeltMotions;
 use super::curve::TensionCurve;
 use crate::curve::Curve;
 use crate::math::row::V3;
@@ -34,7 +34,7 @@ impl SensorState {
     pub fn update(
         &mut self,
         sensor: &BeltSensor,
-        motions: &NodeMotions,
+        motions: &BeltMotions,
         rates: impl Fn(usize) -> f64,
         times: SensorTimes,
     ) {

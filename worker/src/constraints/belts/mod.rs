@@ -49,7 +49,7 @@ const FOLLOWS: f64 = 10.0;
 
 /// Motion of a node.
 #[derive(Clone, Copy, Debug)]
-struct NodeMotion {
+struct BeltMotion {
     /// Coordinates [length].
     x: V3,
     /// Velocity at the last mid-step [length/time].
@@ -59,7 +59,7 @@ struct NodeMotion {
 }
 
 /// Motions of all nodes of belts and sensors.
-type NodeMotions = HashMap<NodeId, NodeMotion>;
+type BeltMotions = HashMap<NodeId, BeltMotion>;
 
 /// A motion as it is sent.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -214,7 +214,7 @@ impl Belts {
         comm: &mut dyn Transport,
         nodes: &Nodes,
         bodies: &Bodies,
-    ) -> Result<NodeMotions, RankLost> {
+    ) -> Result<BeltMotions, RankLost> {
         let own = |&id: &NodeId| {
             let n = nodes.local_index(id).filter(|&n| nodes.is_owned(n as usize))?;
             let inverse = bodies.largest_inv_mass(n, nodes);
@@ -224,7 +224,7 @@ impl Belts {
         };
         let all = gather_all(comm, self.nodes.iter().filter_map(own).collect::<Vec<_>>())?;
         let motion = |m: SentMotion| {
-            (m.id, NodeMotion { x: m.x.into(), v: m.v.into(), inv_mass: m.inv_mass })
+            (m.id, BeltMotion { x: m.x.into(), v: m.v.into(), inv_mass: m.inv_mass })
         };
         Ok(all.into_iter().flatten().map(motion).collect())
     }
@@ -280,7 +280,7 @@ impl Belts {
     /// pretensioner pulls in, with the limit of its tension; `None` if none works.
     fn step_devices(
         &mut self,
-        motions: &NodeMotions,
+        motions: &BeltMotions,
         time: f64,
         steps: StepSizes,
     ) -> Vec<Option<[f64; 2]>> {
@@ -310,7 +310,7 @@ impl Belts {
     /// the stable step. The steps are those before and after the present time [time].
     fn pull(
         &mut self,
-        motions: &NodeMotions,
+        motions: &BeltMotions,
         [step, next]: [f64; 2],
         forces: &mut Vec<(NodeId, V3)>,
     ) {

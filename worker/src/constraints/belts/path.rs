@@ -11,7 +11,7 @@
 //! the unstretched distance s from the ring has
 //! `v = v_0 + (s/l) (v_1 - v_0) + (x_1 - x_0) (w/l) (1 - s/l)`.
 
-use super::NodeMotions;
+use super::BeltMotions;
 use crate::math::row::V3;
 use crumple_proto::belt::BeltPath;
 use crumple_proto::ids::NodeId;
@@ -56,14 +56,14 @@ pub struct PassedNode {
 
 /// The side of a ring or a retractor: that before it or that after it in the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum BeltSide {
     /// Towards the first node.
     Before,
     /// Towards the last node.
     After,
 }
 
-impl Side {
+impl BeltSide {
     /// Returns the other side.
     pub fn other(self) -> Self {
         if self == Self::Before { Self::After } else { Self::Before }
@@ -114,7 +114,7 @@ impl PathState {
     }
 
     /// Returns the distance of the nodes of a segment [length].
-    pub fn distance(&self, segment: usize, motions: &NodeMotions) -> f64 {
+    pub fn distance(&self, segment: usize, motions: &BeltMotions) -> f64 {
         let at = |n: usize| motions[&self.nodes[n].0].x;
         (at(segment + 1) - at(segment)).norm()
     }
@@ -124,10 +124,10 @@ impl PathState {
     /// it.
     pub fn pass(
         &mut self,
-        (place, short): (usize, Side),
+        (place, short): (usize, BeltSide),
         least: f64,
         rate: f64,
-        motions: &NodeMotions,
+        motions: &BeltMotions,
     ) -> Option<PassedNode> {
         let (next, long) = (short.next(place)?, short.other());
         let beyond = short.segment(next)?;
@@ -150,7 +150,7 @@ impl PathState {
 
     /// Takes the next node on the `open` side into the retractor at `place`. Returns it; `None` if
     /// it cannot go in.
-    pub fn wind_up(&mut self, place: usize, open: Side) -> Option<NodeId> {
+    pub fn wind_up(&mut self, place: usize, open: BeltSide) -> Option<NodeId> {
         let (next, drained) = (open.next(place)?, open.segment(place)?);
         let beyond = open.segment(next).filter(|&s| s < self.segments.len())?;
         let (node, is_loose) = self.nodes[next];
@@ -169,10 +169,10 @@ impl PathState {
     /// is longer than `fed`. Returns where it is put.
     pub fn unwind(
         &mut self,
-        (place, open): (usize, Side),
+        (place, open): (usize, BeltSide),
         (least, fed): (f64, f64),
         rate: f64,
-        motions: &NodeMotions,
+        motions: &BeltMotions,
     ) -> Option<PassedNode> {
         let (first, end) = (open.other().next(place)?, open.next(place)?);
         let (inside, outside) = (open.other().segment(place)?, open.segment(place)?);
@@ -199,7 +199,7 @@ impl PathState {
         (from, to): (usize, usize),
         (piece, length): (f64, f64),
         rate: f64,
-        motions: &NodeMotions,
+        motions: &BeltMotions,
     ) -> PassedNode {
         let (ring, end) = (&motions[&self.nodes[from].0], &motions[&self.nodes[to].0]);
         let share = piece / length;
@@ -215,15 +215,15 @@ impl PathState {
 
 #[cfg(test)]
 mod tests {
-    use super::super::NodeMotion;
+    use super::super::BeltMotion;
     use super::*;
 
     /// Five nodes along x with the ring in the middle, which is node 3.
-    fn path(lengths: [f64; 4]) -> (PathState, NodeMotions) {
+    fn path(lengths: [f64; 4]) -> (PathState, BeltMotions) {
         let segment = |length| SegmentState { length, ..SegmentState::default() };
         let nodes = (1..=5).map(|id| (NodeId(id), id != 3)).collect();
         let at =
-            |id: u64| NodeMotion { x: V3::new(id as f64, 0.0, 0.0), v: V3::zeros(), inv_mass: 1.0 };
+            |id: u64| BeltMotion { x: V3::new(id as f64, 0.0, 0.0), v: V3::zeros(), inv_mass: 1.0 };
         let motions = (1..=5).map(|id| (NodeId(id), at(id))).collect();
         (PathState { nodes, segments: lengths.map(segment).to_vec() }, motions)
     }
@@ -239,7 +239,7 @@ mod tests {
     #[test]
     fn nodes_pass_to_either_side_and_keep_the_length() {
         let (mut belt, motions) = path([1.0, 2.0, 0.1, 1.0]);
-        let put = belt.pass((2, Side::After), 0.1, 4.0, &motions).expect("it passes");
+        let put = belt.pass((2, BeltSide::After), 0.1, 4.0, &motions).expect("it passes");
         assert_eq!(order(&belt), [1, 2, 4, 3, 5]);
         let expected = [1.0, 2.0 - 0.11, 0.11, 1.1];
         lengths(&belt).iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-15));
@@ -247,7 +247,7 @@ mod tests {
         assert!((put.x.x - (3.0 - 0.11 / 2.0)).abs() < 1e-15 && put.node == NodeId(4));
         assert!((put.v.x + 4.0 / 2.0 * (1.0 - 0.055)).abs() < 1e-15);
         let (mut belt, motions) = path([1.0, 0.1, 2.0, 1.0]);
-        belt.pass((2, Side::Before), 0.1, 0.0, &motions).expect("it passes");
+        belt.pass((2, BeltSide::Before), 0.1, 0.0, &motions).expect("it passes");
         assert_eq!(order(&belt), [1, 3, 2, 4, 5]);
         let expected = [1.1, 0.11, 2.0 - 0.11, 1.0];
         lengths(&belt).iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-15));
@@ -257,23 +257,24 @@ mod tests {
     fn ends_and_held_nodes_do_not_pass() {
         let (mut belt, motions) = path([1.0, 2.0, 0.1, 1.0]);
         belt.nodes[3].1 = false;
-        assert!(belt.pass((2, Side::After), 0.1, 0.0, &motions).is_none());
+        assert!(belt.pass((2, BeltSide::After), 0.1, 0.0, &motions).is_none());
         let (mut belt, motions) = path([0.1, 2.0, 1.0, 1.0]);
-        assert!(belt.pass((1, Side::Before), 0.1, 0.0, &motions).is_none());
-        assert_eq!(belt.wind_up(1, Side::Before), None);
+        assert!(belt.pass((1, BeltSide::Before), 0.1, 0.0, &motions).is_none());
+        assert_eq!(belt.wind_up(1, BeltSide::Before), None);
     }
 
     #[test]
     fn a_node_goes_into_a_retractor_and_comes_out_again() {
         let (mut belt, motions) = path([0.1, 2.0, 1.0, 1.0]);
         belt.nodes[0].1 = false;
-        assert_eq!(belt.wind_up(0, Side::After), Some(NodeId(2)));
+        assert_eq!(belt.wind_up(0, BeltSide::After), Some(NodeId(2)));
         assert_eq!((order(&belt), lengths(&belt)), (vec![2, 1, 3, 4, 5], vec![0.0, 2.1, 1.0, 1.0]));
-        assert!(belt.unwind((1, Side::After), (0.1, 3.0), 0.0, &motions).is_none());
-        let put = belt.unwind((1, Side::After), (0.1, 1.0), 0.0, &motions).expect("it comes out");
+        assert!(belt.unwind((1, BeltSide::After), (0.1, 3.0), 0.0, &motions).is_none());
+        let put =
+            belt.unwind((1, BeltSide::After), (0.1, 1.0), 0.0, &motions).expect("it comes out");
         assert_eq!((order(&belt), put.node), (vec![1, 2, 3, 4, 5], NodeId(2)));
         assert!((belt.segments[0].length - 0.11).abs() < 1e-15);
         assert!((belt.segments[1].length - 1.99).abs() < 1e-15);
-        assert!(belt.unwind((0, Side::After), (0.1, 1.0), 0.0, &motions).is_none());
+        assert!(belt.unwind((0, BeltSide::After), (0.1, 1.0), 0.0, &motions).is_none());
     }
 }

@@ -2,9 +2,9 @@
 //! turns until nothing moves any more.
 
 use super::curve::TensionCurve;
-use super::path::{PassedNode, PathState, Side};
-use super::slip::{Span, out_of_retractor, pulled_in, through_ring};
-use super::{BeltState, NodeMotions};
+use super::path::{BeltSide, PassedNode, PathState};
+use super::slip::{BeltSpan, out_of_retractor, pulled_in, through_ring};
+use super::{BeltMotions, BeltState};
 use crumple_proto::belt::BeltSystem;
 use crumple_proto::ids::NodeId;
 
@@ -45,7 +45,7 @@ pub struct Sliding<'a> {
     /// Curves of the retractors.
     pub reels: &'a [TensionCurve],
     /// Motions of nodes; those that pass get new ones.
-    pub motions: &'a mut NodeMotions,
+    pub motions: &'a mut BeltMotions,
     /// Present time, and the step to it [time].
     pub times: [f64; 2],
     /// Result.
@@ -81,10 +81,10 @@ impl<'a> Sliding<'a> {
     }
 
     /// Returns a segment as its neighbours see it, and its smallest length.
-    fn span(&self, path: &PathState, index: usize, segment: usize) -> (Span<'a>, f64) {
+    fn span(&self, path: &PathState, index: usize, segment: usize) -> (BeltSpan<'a>, f64) {
         let law = self.job.paths[index].segments[segment].law;
         let state = &path.segments[segment];
-        let span = Span {
+        let span = BeltSpan {
             curve: &self.laws[law],
             distance: path.distance(segment, self.motions),
             length: state.length,
@@ -104,7 +104,8 @@ impl<'a> Sliding<'a> {
         let job = &self.job.rings[ring];
         let (path, own) = (&mut state.paths[job.path], &mut state.rings[ring]);
         let place = path.place(job.node);
-        let (Some(first), Some(second)) = (Side::Before.segment(place), Side::After.segment(place))
+        let (Some(first), Some(second)) =
+            (BeltSide::Before.segment(place), BeltSide::After.segment(place))
         else {
             return true;
         };
@@ -119,8 +120,8 @@ impl<'a> Sliding<'a> {
         let ratio = (friction * self.wrap(path, place)).exp();
         let tight = usize::from(tensions[1] > tensions[0]);
         let ([(to, _), (from, least)], short) = match tight {
-            0 => ([sides[0], sides[1]], Side::After),
-            _ => ([sides[1], sides[0]], Side::Before),
+            0 => ([sides[0], sides[1]], BeltSide::After),
+            _ => ([sides[1], sides[0]], BeltSide::Before),
         };
         let moved = through_ring(&to, &from, ratio, least);
         let is_short = from.length - moved <= CLOSE * least;
@@ -158,7 +159,7 @@ impl<'a> Sliding<'a> {
         let job = &self.job.retractors[retractor];
         let (path, own) = (&mut state.paths[job.path], &mut state.retractors[retractor]);
         let place = path.place(job.node);
-        let open = if job.before { Side::After } else { Side::Before };
+        let open = if job.before { BeltSide::After } else { BeltSide::Before };
         let Some(mouth) = open.segment(place).filter(|&s| s < path.segments.len()) else {
             return true;
         };

@@ -14,7 +14,7 @@ const BISECTIONS: usize = 60;
 
 /// A segment next to a ring or a retractor.
 #[derive(Clone, Copy, Debug)]
-pub struct Span<'a> {
+pub struct BeltSpan<'a> {
     /// Tension over the strain.
     pub curve: &'a TensionCurve,
     /// Distance of its nodes [length].
@@ -25,7 +25,7 @@ pub struct Span<'a> {
     pub largest: f64,
 }
 
-impl Span<'_> {
+impl BeltSpan<'_> {
     /// Returns the tension with more unstretched length [force].
     pub fn pull(&self, more: f64) -> f64 {
         let strain = self.distance / (self.length + more) - 1.0;
@@ -36,7 +36,7 @@ impl Span<'_> {
 /// Returns the length that moves through a ring into the `tight` segment from the other one, so
 /// that its tension is at most `ratio` times that of the other; at most so much that the other one
 /// keeps the length `least` [length].
-pub fn through_ring(tight: &Span<'_>, loose: &Span<'_>, ratio: f64, least: f64) -> f64 {
+pub fn through_ring(tight: &BeltSpan<'_>, loose: &BeltSpan<'_>, ratio: f64, least: f64) -> f64 {
     let beyond = |moved: f64| tight.pull(moved) - ratio * loose.pull(-moved);
     if beyond(0.0) <= 0.0 {
         return 0.0;
@@ -48,7 +48,7 @@ pub fn through_ring(tight: &Span<'_>, loose: &Span<'_>, ratio: f64, least: f64) 
 /// Returns the length that comes out of a retractor, negative if it goes in, so that the tension of
 /// the belt is that of the retractor; at most so much goes in that the segment keeps the length
 /// `least` [length]. `tension` is that of the retractor, with more pulled out.
-pub fn out_of_retractor(span: &Span<'_>, tension: impl Fn(f64) -> f64, least: f64) -> f64 {
+pub fn out_of_retractor(span: &BeltSpan<'_>, tension: impl Fn(f64) -> f64, least: f64) -> f64 {
     let beyond = |moved: f64| span.pull(moved) - tension(moved);
     let now = beyond(0.0);
     if now > 0.0 {
@@ -65,7 +65,7 @@ pub fn out_of_retractor(span: &Span<'_>, tension: impl Fn(f64) -> f64, least: f6
 
 /// Returns the length that a pretensioner pulls in, of a length that it wants to, so that the
 /// tension is at most `limit` [length].
-pub fn pulled_in(span: &Span<'_>, wanted: f64, limit: f64, least: f64) -> f64 {
+pub fn pulled_in(span: &BeltSpan<'_>, wanted: f64, limit: f64, least: f64) -> f64 {
     let most = wanted.min((span.length - least).max(0.0));
     if span.pull(0.0) >= limit {
         0.0
@@ -97,8 +97,8 @@ mod tests {
         TensionCurve::new(&[[0.0, 0.0], [1.0, 100.0]], &[], 0.0)
     }
 
-    fn span(curve: &TensionCurve, distance: f64, length: f64) -> Span<'_> {
-        Span { curve, distance, length, largest: 0.0 }
+    fn span(curve: &TensionCurve, distance: f64, length: f64) -> BeltSpan<'_> {
+        BeltSpan { curve, distance, length, largest: 0.0 }
     }
 
     #[test]
