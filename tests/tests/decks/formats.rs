@@ -145,7 +145,7 @@ fn unsupported_keywords_are_reported() {
             && allowed.unsupported[0].contains("unsupported.k:")
     );
     let named = "mesh.leave_out=[\"AIRBAG_HYBRID\", \"*load_thermal_constant\", \
-                 \"LOAD_BODY_GENERALIZED\"]";
+                 \"LOAD_VOLUME_LOSS\"]";
     let left_out = read(&bad, &[named.into()]).unwrap_or_else(|report| panic!("{report}"));
     assert!(left_out.unsupported.is_empty());
     let run = program::run(crumple_with(&[

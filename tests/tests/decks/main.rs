@@ -1,6 +1,7 @@
 //! Keyword decks of LS-DYNA and Radioss: formats and problems, models, contacts, joints, arbitrary
 //! bytes, runs. Mesh files of other programs.
 
+mod accelerations;
 mod accelerometers;
 mod adaptivity;
 mod added_meshes;
@@ -29,6 +30,8 @@ mod field_meshes;
 mod followed_directions;
 mod formats;
 mod gurson;
+mod harmless_values;
+mod held_bodies;
 mod honeycomb;
 mod interior;
 mod joints;
@@ -44,12 +47,14 @@ mod odd_files;
 mod particles;
 mod radioss;
 mod resting_tools;
+mod rate_curves;
 mod rigid_joints;
 mod rigid_parts;
 mod runs;
 mod sets;
 mod simplified_rubber;
 mod solid_welds;
+mod soft_tissue;
 mod spring_laws;
 mod stops_and_times;
 mod submodels;

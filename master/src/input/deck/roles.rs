@@ -286,6 +286,7 @@ const ROLES: &[(&str, &str)] = &[
     ("DEFINE_HEX_SPOTWELD_ASSEMBLY", "id_sw=#r eid=#e"),
     ("MAT_VISCOELASTIC", "ro=d bulk=p g0=p gi=p beta=w"),
     ("MAT_BLATZ-KO_RUBBER", "ro=d g=p ref=1"),
+    ("MAT_SOFT_TISSUE", "ro=d c1=p c2=p c3=p c4=1 c5=p xk=p s=1"),
     (
         "MAT_SIMPLIFIED_RUBBER/FOAM",
         "ro=d km=p mu=1 g=p sigf=p ref=1 prten=1 sgl=l sw=l st=l lctbid=#f:l:f tension=1 rtype=1 \
@@ -346,7 +347,7 @@ const ROLES: &[(&str, &str)] = &[
     ("INITIAL_VELOCITY_GENERATION", "styp=1 omega=w vx=@v ivatn=1 xc=@x nx=@d phase=1 irigid=1"),
     ("INITIAL_VELOCITY*", "irigid=1 vx=@v vxr=@w vxe=@v vxre=@w"),
     ("LOAD_BODY_PARTS", ""),
-    ("LOAD_BODY*", "lcid=#f:t:a sf=1 xc=@x"),
+    ("LOAD_BODY*", "lcid=#f:t:a drlcid=#f:t:a sf=1 xc=@x ax=1"),
     ("LOAD_GRAVITY_PART*", "dof=1 lc=#f:t:1 accel=a lcdr=#f stga=1 stgr=1"),
     ("LOAD_NODE*", "dof=1 sf=1"),
     ("LOAD_BLAST", "wgt=m xbo=@x tbo=t iunit=1 isurf=1 cfm=1 cfl=1 cft=1 cfp=1 death=t"),

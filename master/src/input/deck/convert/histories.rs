@@ -302,6 +302,7 @@ impl DeckConverter {
             if !found {
                 let message = format!("a history names node {number}, which no element has");
                 self.trouble.warning(*place, message, "the history is ignored");
+                self.rows.stand_ins.extend(id(*number));
             }
             found
         };

@@ -63,7 +63,7 @@ impl DeckConverter {
 
     /// Adds the inertia of a body of these parts, which is that of its leading part `lead`. Parts
     /// that `follow` are joined to it without an effect on its inertia. `extra` is the number of
-    /// nodes of other parts in the body.
+    /// nodes of other parts in the body that have a mass.
     pub(super) fn put_inertia(
         &mut self,
         lead: i64,

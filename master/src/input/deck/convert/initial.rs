@@ -213,8 +213,10 @@ impl DeckConverter {
         let Some(v) = self.velocity(&head, ["vx", "vy", "vz"], "icid") else { return };
         let omega = head.real("omega");
         let mut spin = None;
+        // Without a spin, the axis and its point have no effect.
+        let [mut along, point] =
+            [["nx", "ny", "nz"], ["xc", "yc", "zc"]].map(|of| of.map(|c| record.real(c)));
         if omega != 0.0 {
-            let mut along = ["nx", "ny", "nz"].map(|c| record.real(c));
             if along[0] == -999.0 {
                 let [from, to] = [1, 2].map(|c| id(along[c] as i64).and_then(|n| self.rows.at(n)));
                 let (Some(from), Some(to)) = (from, to) else {
@@ -229,7 +231,7 @@ impl DeckConverter {
             }
             match cosines(along) {
                 Some(n) => {
-                    spin = Some((n.map(|c| c * omega), ["xc", "yc", "zc"].map(|c| record.real(c))))
+                    spin = Some((n.map(|c| c * omega), point));
                 }
                 None => {
                     let message = "the axis of the initial spin has no direction";

@@ -1,10 +1,12 @@
 //! Nodes of rigid bodies that belong to no element: each that carries a mass, an inertia, a load or
-//! a history gets a spring without force to another node of its body. With it, the node belongs to
-//! the mesh. The inertia of nodes, `*ELEMENT_INERTIA`, is here, too.
+//! a history, or that the direction of a spring follows, gets a spring without force to another
+//! node of its body. With it, the node belongs to the mesh. The inertia of nodes,
+//! `*ELEMENT_INERTIA`, is here, too.
 
 use super::DeckConverter;
 use super::parts::DeckPart;
 use super::sets::{id, ids};
+use super::springs::DeckDirection;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
@@ -92,8 +94,9 @@ impl DeckConverter {
         self.rows.elements().map(|e| e.id.0).max().unwrap_or(0)
     }
 
-    /// Returns the nodes to which the deck gives a mass, an inertia, a load or a history, with the
-    /// place of one of these. Of a set only its nodes with elements count, if it has any.
+    /// Returns the nodes to which the deck gives a mass, an inertia, a load or a history, and those
+    /// that directions of springs follow, with the place of one of these. Of a set only its nodes
+    /// with elements count, if it has any.
     fn laden_nodes(&self, connected: &BTreeSet<NodeId>) -> BTreeMap<NodeId, Place> {
         let mut found = BTreeMap::new();
         let records = |keyword: &str| self.records.get(keyword).into_iter().flatten();
@@ -111,6 +114,11 @@ impl DeckConverter {
                 if nodes.iter().all(|node| !connected.contains(node)) {
                     found.extend(nodes.iter().map(|&node| (node, place)));
                 }
+            }
+        }
+        for (direction, place) in self.spring_directions.values() {
+            if let Some((DeckDirection::Nodes(nodes), _)) = direction {
+                found.extend(nodes.map(|node| (NodeId(node), *place)));
             }
         }
         found

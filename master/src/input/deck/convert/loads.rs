@@ -85,6 +85,7 @@ impl DeckConverter {
             None => self.body_loads_of(&parts),
         }
         self.part_gravity();
+        self.accelerations();
     }
 
     /// Converts `*LOAD_GRAVITY_PART`, with the sign of `*LOAD_BODY_...`.

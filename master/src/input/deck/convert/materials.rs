@@ -343,12 +343,11 @@ impl DeckConverter {
             self.unsupported_value(record, "lcss", "logarithms of the rates; give the rates");
             return;
         }
-        let mut all: Vec<Vec<f64>> = Vec::new();
-        for curve in rows.chunk_by(|a, b| a[0] == b[0]) {
-            let points = hardening_curve(curve.iter().map(|row| [row[1], row[2]]).collect());
-            all.extend(points.iter().map(|p| vec![curve[0][0], p[0], p[1]]));
-        }
-        table.put("hardening_by_rate", place, all);
+        let curves = rows.chunk_by(|a, b| a[0] == b[0]);
+        let points = |curve: &[Vec<f64>]| curve.iter().map(|row| [row[1], row[2]]).collect();
+        let curves = curves.map(|curve| (curve[0][0], points(curve))).collect();
+        let of = format!("material {}", record.integer("mid"));
+        table.put("hardening_by_rate", place, self.rate_rows(&of, curves));
     }
 
     /// Converts a Johnson-Cook material and returns Young's modulus [force/length^2].

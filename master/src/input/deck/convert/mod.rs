@@ -1,5 +1,6 @@
 //! Converts the cards of a deck to a job: a tree of values as from a job file, and a mesh.
 
+mod accelerations;
 mod airbags;
 mod barlat;
 mod beams;
@@ -35,6 +36,7 @@ pub(in crate::input::deck) mod particles;
 mod parts;
 mod preloads;
 pub mod radioss;
+mod rate_curves;
 mod rigid;
 mod sections;
 pub(in crate::input::deck) mod segment_sets;

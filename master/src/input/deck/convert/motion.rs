@@ -225,6 +225,36 @@ impl DeckConverter {
         Some((fixed, place))
     }
 
+    /// Returns what constraints of single nodes of a rigid body fix of it, where they mean the same
+    /// for the body: constraints of its centre, and those of a node that fix with an axis the
+    /// rotations that move the node along it. Removes the nodes from these constraints.
+    pub(super) fn held_as_body(
+        &mut self,
+        nodes: &BTreeSet<NodeId>,
+        centre: Option<NodeId>,
+    ) -> BTreeSet<&'static str> {
+        let is_own = |node: &NodeId| nodes.contains(node) || Some(*node) == centre;
+        let mut held: BTreeMap<NodeId, BTreeSet<&'static str>> = BTreeMap::new();
+        for fix in &self.fixes {
+            for node in fix.nodes.iter().copied().filter(is_own) {
+                held.entry(node).or_default().extend(&fix.dofs);
+            }
+        }
+        let all: BTreeSet<&'static str> = held.values().flatten().copied().collect();
+        let moves = |node: &NodeId, dofs: &BTreeSet<&'static str>| {
+            let turns = [("x", ["ry", "rz"]), ("y", ["rz", "rx"]), ("z", ["rx", "ry"])];
+            let is_free = |axis: &&(&str, [&str; 2])| {
+                dofs.contains(axis.0) && axis.1.iter().any(|turn| !all.contains(turn))
+            };
+            Some(*node) != centre && turns.iter().any(|axis| is_free(&axis))
+        };
+        if held.iter().any(|(node, dofs)| moves(node, dofs)) {
+            return BTreeSet::new();
+        }
+        self.release(&held.keys().copied().collect());
+        all
+    }
+
     /// Removes nodes from all constraints.
     fn release(&mut self, nodes: &BTreeSet<NodeId>) {
         for fix in &mut self.fixes {

@@ -13,7 +13,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::mesh::Shape;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Default hourglass coefficient in decks: LS-DYNA's QM.
 const DEFAULT_HOURGLASS: f64 = 0.1;
@@ -150,6 +150,23 @@ impl DeckConverter {
         }
         self.parts_with_layers(materials, sections, &mut names);
         self.remove_left_out();
+        self.unused_sections(sections);
+    }
+
+    /// Notes sections that no part refers to; their fields need no reports.
+    fn unused_sections(&mut self, sections: &Sections) {
+        let is_section = |record: &CardRecord| record.row.keyword.name.starts_with("SECTION_");
+        let others = self.read.iter().filter(|record| !is_section(record));
+        let used: BTreeSet<i64> =
+            others.flat_map(|r| r.lines("secid")).map(|line| line.integer("secid")).collect();
+        let unused = sections.by_id.iter().filter(|(id, _)| !used.contains(id));
+        let unused: BTreeMap<i64, &DeckSection> = unused.map(|(id, of)| (*id, of)).collect();
+        for (id, section) in unused {
+            let card = &section.record;
+            self.map(format!("{} {id}", card.name()), "no part refers to it", "not used");
+            let place = card.place("secid");
+            self.read.retain(|r| !is_section(r) || r.place("secid") != place);
+        }
     }
 
     /// Refuses the mass properties of a part that is not rigid.
@@ -537,6 +554,17 @@ impl DeckConverter {
             (4 | 5, _) => ("stiffness", ""),
             (6 | 7 | 9 | 10, true) => ("assumed_strain", ""),
             (6 | 7 | 9 | 10, false) => ("viscous", " (this ihq is for solids)"),
+            (8, true) if own.is_none() => {
+                let message = format!(
+                    "part {}: ihq 8 of *CONTROL_HOURGLASS is for shells: its solids have the \
+                     viscous control",
+                    record.integer("pid")
+                );
+                let help = "give the part an hgid, the id of a *HOURGLASS for solids";
+                self.trouble.warning(place, message, help);
+                coefficient = 0.0;
+                ("viscous", " (ihq 8 is for shells)")
+            }
             _ => {
                 let message =
                     format!("part {}: ihq {form} is not supported", record.integer("pid"));

@@ -67,9 +67,10 @@ impl DeckConverter {
             self.put_added_inertia(&members, &mut table);
             self.node_bodies.extend(members.into_iter().map(|node| (node, name.clone())));
             // Nodes without elements have no mass; joints only need their positions.
-            body.nodes.retain(|node| connected.binary_search(node).is_ok());
+            self.keep_connected(&mut body.nodes, &connected);
             let set = format!("body-{id}-nodes");
             let extra = body.nodes.len();
+            let heavy = self.count_with_mass(&body.nodes);
             if extra > 0 {
                 self.rows.add_set(set.clone(), body.nodes.into_iter().collect(), place);
                 table.put("nodes", place, set.as_str());
@@ -77,7 +78,7 @@ impl DeckConverter {
             if !has_elements && extra > 0 {
                 parts.iter().for_each(|&part| self.bare_inertia(part, &set));
             } else {
-                self.put_inertia(id, (&parts, &follow), extra, &mut table);
+                self.put_inertia(id, (&parts, &follow), heavy, &mut table);
                 table.put("parts", place, parts);
             }
             if !body.fixed.is_empty() {
@@ -95,6 +96,28 @@ impl DeckConverter {
         entries.into_iter().for_each(|own| self.entries_without_body(own));
         self.inertias_without_body();
         self.check_followers(&followers);
+    }
+
+    /// Removes nodes without elements from the nodes of a body. They follow it, so they are no
+    /// nodes that are left out.
+    fn keep_connected(&mut self, nodes: &mut BTreeSet<NodeId>, connected: &[NodeId]) {
+        let is_connected = |node: &NodeId| connected.binary_search(node).is_ok();
+        self.rows.stand_ins.extend(nodes.iter().filter(|node| !is_connected(node)));
+        nodes.retain(is_connected);
+    }
+
+    /// Returns the number of nodes that have a mass: of elements other than springs, or by a card.
+    fn count_with_mass(&self, nodes: &BTreeSet<NodeId>) -> usize {
+        if nodes.is_empty() {
+            return 0;
+        }
+        let rows = &self.rows;
+        let elements = rows.shells.iter().chain(&rows.solids).chain(&rows.beams);
+        let corners = elements.chain(&rows.particles).flat_map(|e| e.corners());
+        let masses = self.records.get("ELEMENT_MASS").into_iter().flatten();
+        let by_card = masses.flat_map(|record| record.lines("nid")).map(|line| line.integer("nid"));
+        let all = corners.copied().chain(by_card.filter_map(id));
+        all.filter(|node| nodes.contains(node)).collect::<BTreeSet<NodeId>>().len()
     }
 
     /// Fixes what constraints of all nodes of a body fix.
@@ -211,6 +234,27 @@ impl DeckConverter {
         }
     }
 
+    /// Returns what constraints of nodes of a body of nodes fix of it, and removes the nodes from
+    /// these: of all its nodes, of its centre (`centre`), or of one node if that is the same.
+    fn hold_nodal(
+        &mut self,
+        name: &str,
+        nodes: &BTreeSet<NodeId>,
+        centre: Option<NodeId>,
+    ) -> BTreeSet<&'static str> {
+        let mut held = self.body_held(nodes);
+        let mut what = "constraints of all its nodes";
+        if held.is_empty() {
+            held = self.held_as_body(nodes, centre);
+            what = "constraints of its centre, or of a node of a body that does not turn";
+        }
+        if !held.is_empty() {
+            let used: Vec<&str> = held.iter().copied().collect();
+            self.map(name, what, format!("the body is fixed: {}", used.join(", ")));
+        }
+        held
+    }
+
     /// Converts `*CONSTRAINED_NODAL_RIGID_BODY`.
     fn nodal_bodies(&mut self, entries: &mut [BodyEntries]) {
         for record in self.take_records("CONSTRAINED_NODAL_RIGID_BODY") {
@@ -228,8 +272,13 @@ impl DeckConverter {
             let place = record.place("pid");
             let Some(set) = self.node_set(nsid, record.place(field)) else { continue };
             let name = format!("body-{pid}");
-            let members = self.node_sets[&nsid].0.iter().copied();
-            self.node_bodies.extend(members.map(|node| (node, name.clone())));
+            let mut members: BTreeSet<NodeId> = self.node_sets[&nsid].0.iter().copied().collect();
+            self.node_bodies.extend(members.iter().map(|node| (*node, name.clone())));
+            let pnode = id(record.integer("pnode"));
+            self.rows.stand_ins.extend(pnode);
+            let held = self.hold_nodal(&name, &members, pnode);
+            let connected = self.rows.nodes_of(|_| true);
+            self.keep_connected(&mut members, &connected);
             let mut table = JobTable::new(place).with("name", place, name.as_str()).with(
                 "nodes",
                 record.place(field),
@@ -238,11 +287,17 @@ impl DeckConverter {
             let members = self.node_sets[&nsid].0.clone();
             self.nodal_inertia(&record, (&set, &members), &mut table);
             self.put_added_inertia(&members, &mut table);
+            let mut fixed = held;
             if record.has("SPC") {
-                let fixed = self.held_centre(&record);
-                if !fixed.is_empty() {
-                    table.put("fixed", record.place("cmo"), fixed);
-                }
+                fixed.extend(self.held_centre(&record));
+            }
+            if !fixed.is_empty() {
+                let fixed: Vec<&str> = fixed.into_iter().collect();
+                table.put(
+                    "fixed",
+                    record.place(if record.has("SPC") { "cmo" } else { "pid" }),
+                    fixed,
+                );
             }
             entries.iter_mut().for_each(|own| own.put(&mut table, |of| of == pid));
             self.add("rigid", table);

@@ -7,7 +7,7 @@ use crate::input::deck::record::CardRecord;
 use std::collections::HashMap;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 12] = [
+pub const KEYWORDS: [&str; 13] = [
     "MAT_FABRIC",
     "MAT_VISCOELASTIC",
     "MAT_BLATZ-KO_RUBBER",
@@ -15,6 +15,7 @@ pub const KEYWORDS: [&str; 12] = [
     "MAT_HYPERELASTIC_RUBBER",
     "MAT_OGDEN_RUBBER",
     "MAT_SIMPLIFIED_RUBBER/FOAM",
+    "MAT_SOFT_TISSUE",
     "MAT_LOW_DENSITY_FOAM",
     "MAT_CRUSHABLE_FOAM",
     "MAT_FU_CHANG_FOAM",
@@ -72,12 +73,44 @@ impl DeckConverter {
                 2.0 * (1.0 + record.real("pr")) * 2.0 * (c[0] + c[1])
             }
             "MAT_OGDEN_RUBBER" => self.ogden(record, table),
+            "MAT_SOFT_TISSUE" => self.soft_tissue(record, table),
             "MAT_SIMPLIFIED_RUBBER/FOAM" => self.simplified_rubber(record, table),
             "MAT_CRUSHABLE_FOAM" => self.crushable_foam(record, table),
             "MAT_HONEYCOMB" => self.honeycomb(record, table, false),
             "MAT_MODIFIED_HONEYCOMB" => self.honeycomb(record, table, true),
             _ => self.low_density_foam(keyword, record, table),
         }
+    }
+
+    /// Converts a soft tissue without fibres. Its energy is `c1 (I1 - 3) + c2 (I2 - 3) + xk/2
+    /// (ln J)^2` with the invariants of the isochoric part (LS-DYNA Keyword User's Manual, vol. II,
+    /// material 91): that of a rubber, except for the energy of the volume.
+    fn soft_tissue(&mut self, record: &CardRecord, table: &mut JobTable) -> f64 {
+        let [c1, c2, bulk] = ["c1", "c2", "xk"].map(|field| record.real(field));
+        for field in ["c3", "c4", "c5"].into_iter().filter(|field| record.real(field) != 0.0) {
+            let why = "fibres: only a tissue with c3, c4 and c5 of 0 is supported";
+            self.unsupported_value(record, field, why);
+        }
+        let relaxes = record.lines("s").flat_map(|line| line.reals("s")).any(|s| s != 0.0);
+        if relaxes {
+            self.unsupported_value(record, "s", "relaxation of the stress");
+        }
+        let shear = 2.0 * (c1 + c2);
+        if bulk <= 0.0 || shear <= 0.0 {
+            let message = format!("{}: xk is {bulk}, c1 + c2 is {}", record.name(), c1 + c2);
+            let help = "give a bulk modulus xk and c1 above 0";
+            self.trouble.error(record.place("xk"), message, help);
+        }
+        let nu = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear);
+        table.put("law", record.head, "polynomial_rubber");
+        table.put("poisson", record.place("xk"), nu);
+        table.put("coefficients", record.place("c1"), [c1, c2, 0.0, 0.0, 0.0, 0.0]);
+        self.map(
+            format!("material {}", record.integer("mid")),
+            format!("xk {bulk}, the energy xk/2 (ln J)^2 of the volume"),
+            format!("xk/2 (J - 1)^2, the same for small changes of the volume; poisson {nu}"),
+        );
+        2.0 * shear * (1.0 + nu)
     }
 
     /// Converts `*MAT_ADD_EROSION` to criteria of the materials.

@@ -16,6 +16,8 @@ const KEYWORDS: [(&str, bool); 4] = [
     ("CONTACT_SPOTWELD", true),
 ];
 const OFFSETS: [&str; 3] = ["OFFSET", "BEAM_OFFSET", "CONSTRAINED_OFFSET"];
+/// Share of the time of the run within which a tie that begins is tied from the start.
+const SOON: f64 = 1e-3;
 
 /// A card that ties nodes to a surface.
 pub(super) struct TieCard<'a> {
@@ -255,12 +257,23 @@ impl DeckConverter {
                 self.unsupported_value(record, field, "give the nodes by a set");
             }
         }
-        let (birth, death) = (record.real("bt"), record.real("dt"));
+        let (birth, death) = (self.birth_of_tie(record), record.real("dt"));
         if birth > 0.0 || (death > 0.0 && death < self.end_time) {
             let field = if birth > 0.0 { "bt" } else { "dt" };
             self.unsupported_value(record, field, "ties with a birth or death time within the run");
         }
         Some(table)
+    }
+
+    /// Returns the time from which a tie acts. One shortly after the start is the start.
+    fn birth_of_tie(&mut self, record: &CardRecord) -> f64 {
+        let birth = record.real("bt");
+        if birth <= 0.0 || birth > SOON * self.end_time {
+            return birth;
+        }
+        let asked = format!("birth time {birth}, early in the run of {}", self.end_time);
+        self.map(record.name(), asked, "tied from the start");
+        0.0
     }
 
     /// Returns the name of a set with the nodes of the first side.

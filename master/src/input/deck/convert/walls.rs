@@ -2,6 +2,7 @@
 
 use super::DeckConverter;
 use super::names::names;
+use super::sets::id;
 use super::space::{cross, unit};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
@@ -90,6 +91,9 @@ impl DeckConverter {
         if record.line("lcid").is_some() {
             self.led(record, &name, &mut table);
         }
+        // Nodes that show the force of a wall are no part of the model.
+        let shown = ["n1", "n2", "n3", "n4"].map(|field| id(record.integer(field)));
+        self.rows.stand_ins.extend(shown.into_iter().flatten());
         self.stopped(record, &name, number, (tail, normal), &mut table);
         if record.line("lenp").is_some() {
             self.box_faces(record, &name, &table);

@@ -32,10 +32,11 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[rigid]]` body `body-PID` of the node set. Card of _SPC: `fixed`, as of MAT_RIGID; only \
          in global axes (cmo 1). Cards of _INERTIA: `inertia` of the body, tm as `[[mass]]` of its \
          nodes with the centre xc, yc, zc, if that is between them (their own masses are added), \
-         and its `[[initial_velocity]]`",
+         and its `[[initial_velocity]]`. Constraints of all nodes, of pnode, or of a node of a \
+         body that does not turn, fix the body",
     )
     .unused(&[
-        no_effect("cid pnode iprt", "they are for output"),
+        no_effect("cid iprt", "they are for output"),
         no_effect("xl yl zl xlip ylip zlip cid2", "axes of the inertia are not supported"),
     ])
     .options(&["TITLE", "SPC", "INERTIA"])

@@ -15,7 +15,7 @@ macro_rules! cards {
             ("cid:i heading:a70", Count(id)),
             (MPP_CARD, Count(mpp)),
             ("surfa:i surfb:i surfatyp:i surfbtyp:i saboxid:i sbboxid:i sapr:i sbpr:i", Once),
-            ("fs:r fd:r dc:r vc:r vdc:r penchk:i bt:r dt:r", Maybe),
+            ("fs:r fd:r dc:r vc:r vdc:r penchk:i bt:r dt:r=1e20", Maybe),
             ("sfsa:r=1 sfsb:r=1 sast:r sbst:r sfsat:r=1 sfsbt:r=1 fsf:r=1 vsf:r=1", Maybe),
             ("isym:i erosop:i iadj:i", Count(eroding)),
             $(($failure, Once),)?

@@ -1,6 +1,6 @@
 //! Constraints, motions and loads of the model.
 
-use super::{id, not_yet};
+use super::id;
 use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
@@ -167,14 +167,28 @@ pub const KEYWORDS: &[Keyword] = &[
         .unused(GRAVITY_PART_UNUSED),
     Keyword::new("LOAD_GRAVITY_PART_SET", GRAVITY_PART_SET, "the same for a set of parts")
         .unused(GRAVITY_PART_UNUSED),
-    not_yet(
+    Keyword::new(
         "LOAD_BODY_GENERALIZED",
-        &[
-            ("n1:i! n2:i lcid:i drlcid:i xc:r yc:r zc:r", Once),
-            ("ax:r ay:r az:r omx:r omy:r omz:r cid:i angtyp:a", Maybe),
-        ],
-        "use LOAD_BODY_X, _Y or _Z with LOAD_BODY_PARTS, or LOAD_GRAVITY_PART",
-    ),
+        &[("n1:i! n2:i lcid:i! drlcid:i xc:r yc:r zc:r", Once), ACCELERATION],
+        "`[[gravity]]` along -ax, -ay and -az, in the axes of cid at the start, if the nodes n1 to \
+         n2 are those of whole parts",
+    )
+    .unused(ACCELERATION_UNUSED)
+    .repeats(),
+    Keyword::new(
+        "LOAD_BODY_GENERALIZED_SET_NODE",
+        &[("nsid:i! n2:i lcid:i! drlcid:i xc:r yc:r zc:r", Once), ACCELERATION],
+        "the same for a set of nodes",
+    )
+    .unused(ACCELERATION_UNUSED)
+    .repeats(),
+    Keyword::new(
+        "LOAD_BODY_GENERALIZED_SET_PART",
+        &[("psid:i! n2:i lcid:i! drlcid:i xc:r yc:r zc:r", Once), ACCELERATION],
+        "the same for a set of parts",
+    )
+    .unused(ACCELERATION_UNUSED)
+    .repeats(),
     Keyword::new(
         "INITIAL_AXIAL_FORCE_BEAM",
         &[("bsid:i! lcid:i! scale:r=1 kbend:i", Rest)],
@@ -279,6 +293,13 @@ const GRAVITY_PART_SET: &[(&str, Times)] =
 const GRAVITY_PART_UNUSED: &[UnusedFields] = &[
     no_effect("lcdr", "there is no dynamic relaxation"),
     refused("stga stgr", "stages of construction"),
+];
+
+const ACCELERATION: (&str, Times) = ("ax:r ay:r az:r omx:r omy:r omz:r cid:i angtyp:a", Maybe);
+const ACCELERATION_UNUSED: &[UnusedFields] = &[
+    no_effect("drlcid", "there is no dynamic relaxation"),
+    no_effect("xc yc zc angtyp", "they are for rotations"),
+    refused("omx omy omz", "a rotating frame of reference"),
 ];
 
 const GRAVITY_UNUSED: &[UnusedFields] = &[

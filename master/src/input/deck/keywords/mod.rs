@@ -165,15 +165,6 @@ fn id(record: &CardRecord) -> usize {
     usize::from(record.has("ID") || record.has("TITLE"))
 }
 
-/// Creates a keyword that the engine does not support yet.
-const fn not_yet(
-    name: &'static str,
-    cards: &'static [(&'static str, Times)],
-    note: &'static str,
-) -> Keyword {
-    Keyword::new(name, cards, note).effect(Effect::NotYet)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -246,7 +237,6 @@ mod tests {
     #[test]
     fn near_names_are_supported() {
         assert_eq!(near("MAT_ELASTC"), Some("MAT_ELASTIC"));
-        assert_eq!(near("LOAD_BODY_GENERALISED"), None);
         assert_eq!(near("MAT_025"), None);
     }
 

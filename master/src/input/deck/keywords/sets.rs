@@ -2,7 +2,7 @@
 //! themselves.
 
 use super::title;
-use crate::input::deck::table::{Keyword, Times::*, UnusedFields, ignored, no_effect};
+use crate::input::deck::table::{Effect::*, Keyword, Times::*, UnusedFields, ignored, no_effect};
 
 const LIST: &[(&str, crate::input::deck::table::Times)] = &[
     ("heading:l", Count(title)),
@@ -107,6 +107,13 @@ pub const KEYWORDS: &[Keyword] = &[
         .unused(OF_PARTS)
         .options(&["TITLE"]),
     Keyword::new(
+        "SET_PART_TREE",
+        &[("card:l", Rest)],
+        "not read: a tree of parts for pre-processors; name parts by SET_PART_LIST",
+    )
+    .options(&["TITLE"])
+    .effect(Harmless),
+    Keyword::new(
         "SET_SEGMENT",
         &[
             ("heading:l", Count(title)),
@@ -173,7 +180,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "DEFINE_SD_ORIENTATION",
         &[("heading:l", Count(title)), ("vid:i! iop:i xt:r yt:r zt:r nid1:i nid2:i", Rest)],
         "`spring.direction`, or with iop 2 and 3 `direction_nodes`; with iop 1 and 3 `projected`. \
-         The nodes have to belong to elements",
+         The nodes have to belong to elements or to rigid bodies",
     )
     .options(&["TITLE"]),
     Keyword::new(

@@ -29,6 +29,23 @@ const HONEYCOMB: [(&str, Times); 4] = [
 /// Cards of rubbers with constants, or with a fit to a test.
 const FIT: &str = "sgl:r sw:r st:r lcid:i";
 
+/// Cards of soft tissue: those of 092 have relaxation.
+const TISSUE: &[(&str, Times)] = &[
+    TITLE,
+    ("mid:i! ro:r! c1:r c2:r c3:r c4:r c5:r", Once),
+    ("xk:r xlam:r fang:r xlam0:r failsf:r failsm:r failshr:r", Once),
+    ("aopt:r ax:r ay:r az:r bx:r by:r bz:r", Maybe),
+    ("la1:r la2:r la3:r macf:i=1", Maybe),
+    ("s:r*6", Maybe),
+    ("t:r*6", Maybe),
+];
+const TISSUE_UNUSED: &[UnusedFields] = &[
+    no_effect("xlam fang xlam0", "there are no fibres"),
+    refused("failsf failsm failshr", "failure; use MAT_ADD_EROSION"),
+    no_effect("aopt ax ay az bx by bz la1 la2 la3 macf", "without fibres it is isotropic"),
+    no_effect("t", "there is no relaxation"),
+];
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "MAT_ADD_EROSION",
@@ -116,6 +133,16 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[REFERENCE])
     .aliases(&["MAT_027", "MAT_27"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_SOFT_TISSUE",
+        TISSUE,
+        "law `polynomial_rubber` of solids with c1, c2 and the Poisson's ratio of the bulk modulus \
+         xk, without fibres and relaxation. The energy of the volume is `xk/2 (J - 1)^2`, which \
+         that of the format is for small changes of the volume",
+    )
+    .unused(TISSUE_UNUSED)
+    .aliases(&["MAT_SOFT_TISSUE_VISCO", "MAT_091", "MAT_91", "MAT_092", "MAT_92"])
     .options(&["TITLE"]),
     Keyword::new(
         "MAT_HYPERELASTIC_RUBBER",

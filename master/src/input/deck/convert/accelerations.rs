@@ -1,0 +1,122 @@
+//! Converts `*LOAD_BODY_GENERALIZED`: an acceleration of the frame of reference of some nodes. A
+//! job has gravity of parts, so the nodes have to be those of whole parts. Radioss has `/GRAV` of a
+//! group, which is the same without the change of sign.
+
+use super::DeckConverter;
+use super::tree::JobTable;
+use crate::input::deck::record::CardRecord;
+use crumple_proto::ids::NodeId;
+use std::collections::BTreeSet;
+
+/// Keywords and their fields of nodes or parts.
+const KEYWORDS: [(&str, &str); 3] = [
+    ("LOAD_BODY_GENERALIZED", "n1"),
+    ("LOAD_BODY_GENERALIZED_SET_NODE", "nsid"),
+    ("LOAD_BODY_GENERALIZED_SET_PART", "psid"),
+];
+/// Consequence of a load that is left out.
+const LOST: &str = "the load is left out: these nodes have no gravity by it";
+
+/// Parts on whose masses gravity acts.
+pub(super) enum GravityOf {
+    /// The whole model.
+    All,
+    /// Some parts, which share this number of nodes with others.
+    Parts(Vec<i64>, usize),
+}
+
+impl DeckConverter {
+    /// Converts all of these keywords, in the order of the deck.
+    pub(super) fn accelerations(&mut self) {
+        for (keyword, field) in KEYWORDS {
+            for record in self.take_records(keyword) {
+                self.acceleration(&record, field);
+            }
+        }
+    }
+
+    fn acceleration(&mut self, record: &CardRecord, field: &str) {
+        let (number, place) = (record.integer(field), record.place(field));
+        let of = match field {
+            "psid" => match self.part_set(number, place) {
+                parts if parts.is_empty() => return,
+                parts => Some(GravityOf::Parts(parts, 0)),
+            },
+            "nsid" => match self.node_set(number, place) {
+                Some(_) => self.parts_of_group(&self.node_sets[&number].0.clone()),
+                None => return,
+            },
+            _ => {
+                let last = record.integer("n2").max(number);
+                let range = |node: &NodeId| (number..=last).contains(&(node.0 as i64));
+                let nodes: Vec<NodeId> =
+                    self.rows.nodes.iter().map(|n| n.id).filter(range).collect();
+                self.parts_of_group(&nodes)
+            }
+        };
+        let Some(of) = of else {
+            let why = "nodes that are not those of whole parts";
+            return self.unsupported_card(record, field, why);
+        };
+        let Some(line) = record.line("ax").cloned() else { return };
+        let given = ["ax", "ay", "az"].map(|axis| line.real(axis));
+        let Some(base) = self.in_global_axes(given, &line, "cid", LOST) else { return };
+        // Bodies accelerate against their frame of reference.
+        let acceleration = base.map(|c| if c == 0.0 { 0.0 } else { -c });
+        let at = record.place("lcid");
+        let Some(curve) = self.time_curve(record.integer("lcid"), at) else { return };
+        let mut table =
+            JobTable::new(record.head).with("acceleration", line.place("ax"), acceleration);
+        let mut used = format!("acceleration {acceleration:?} of all masses");
+        if let GravityOf::Parts(parts, shared) = of {
+            used = format!("acceleration {acceleration:?} of the elements of parts {parts:?}");
+            table.put("parts", place, parts);
+            self.warn_of_shared(record, field, shared);
+        }
+        let asked = format!("{field} {number} with {given:?}");
+        self.map(record.name(), asked, format!("{used}, as of *LOAD_BODY"));
+        self.add("gravity", table.with("curve", at, curve));
+    }
+
+    /// Warns of nodes of parts with gravity that parts without it have too.
+    pub(super) fn warn_of_shared(&mut self, record: &CardRecord, field: &str, shared: usize) {
+        if shared > 0 {
+            let message = format!(
+                "{}: {shared} of its nodes belong to other parts, too, whose masses there have no \
+                 gravity by it",
+                record.name()
+            );
+            let help = "gravity acts on the masses of elements: add all nodes of these parts, or \
+                        expect the difference of a row of elements";
+            self.trouble.warning(record.place(field), message, help);
+        }
+    }
+
+    /// Returns the parts whose nodes are those of a group; `None` if the group has only some nodes
+    /// of a part that has a mass.
+    pub(super) fn parts_of_group(&mut self, group: &[NodeId]) -> Option<GravityOf> {
+        let group: BTreeSet<NodeId> = group.iter().copied().collect();
+        let used: BTreeSet<NodeId> = self.rows.nodes_of(|_| true).into_iter().collect();
+        if used.is_subset(&group) {
+            return Some(GravityOf::All);
+        }
+        let rows = &self.rows;
+        let (mut within, mut without) = (BTreeSet::new(), BTreeSet::new());
+        let bodies = rows.shells.iter().chain(&rows.solids).chain(&rows.beams);
+        for element in bodies.clone().chain(&rows.particles) {
+            let is_in = element.corners().iter().all(|node| group.contains(node));
+            let of = if is_in { &mut within } else { &mut without };
+            of.insert(i64::from(element.part));
+        }
+        let parts: Vec<i64> = within.difference(&without).copied().collect();
+        let is_own = |part: u32| parts.binary_search(&i64::from(part)).is_ok();
+        let own: BTreeSet<NodeId> = rows.nodes_of(is_own).into_iter().collect();
+        if parts.is_empty() || group.intersection(&used).any(|node| !own.contains(node)) {
+            return None;
+        }
+        let others = bodies.chain(&rows.particles).filter(|e| !is_own(e.part));
+        let others: BTreeSet<NodeId> = others.flat_map(|e| e.corners()).copied().collect();
+        let shared = own.intersection(&others).count();
+        Some(GravityOf::Parts(parts, shared))
+    }
+}
