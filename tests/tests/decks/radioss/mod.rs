@@ -4,9 +4,12 @@ mod broken;
 mod bytes;
 mod fates;
 mod files;
+mod inner_bodies;
+mod laws;
 mod meaning;
 mod models;
 mod runs;
+mod type19;
 
 use crumple::input::job::{Model, read};
 use std::fs;

@@ -9,6 +9,7 @@
 use super::StarterConverter;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::CardRecord;
+use std::collections::BTreeSet;
 
 /// Triaxialities of the five tests: those of plane stress.
 const TESTS: [f64; 5] = [-1.0 / 3.0, 0.0, 1.0 / 3.0, 0.577_350_269_189_625_8, 2.0 / 3.0];
@@ -38,7 +39,14 @@ impl StarterConverter {
     pub(super) fn biquad(&mut self, card: &CardRecord, table: &mut JobTable) {
         let Some(strains) = self.strains_of_tests(card) else { return };
         let flag = card.integer("sflag");
-        if !(0..=2).contains(&flag) {
+        if flag == 3 && !self.is_on_shells(card.integer("id")) {
+            let message = format!(
+                "{}: `sflag` 3, localized necking, is for shells, and no shell has the material",
+                card.name()
+            );
+            let help = "the parabolas are those of sflag 2";
+            self.deck.trouble.warning(card.place("sflag"), message, help);
+        } else if !(0..=2).contains(&flag) {
             let why =
                 "localized necking; use 1 (two parabolas) or 2 (least strain in plane strain)";
             self.deck.unsupported_value(card, "sflag", why);
@@ -68,6 +76,14 @@ impl StarterConverter {
             let rows: Vec<Vec<f64>> = points.iter().map(|p| vec![p[0] * size, p[1]]).collect();
             table.put("gissmo_size_factors", card.place("fctel"), rows);
         }
+    }
+
+    /// Returns true if a part of this material has shells.
+    fn is_on_shells(&self, material: i64) -> bool {
+        let parts = self.deck.records.get("/PART").into_iter().flatten();
+        let own: BTreeSet<i64> =
+            parts.filter(|r| r.integer("mat") == material).map(|r| r.integer("id")).collect();
+        self.deck.rows.shells.iter().any(|shell| own.contains(&i64::from(shell.part)))
     }
 
     /// Returns the strains c1 to c5; `None` after an error.

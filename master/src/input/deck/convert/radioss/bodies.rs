@@ -89,6 +89,7 @@ impl StarterConverter {
                 self.deck.trouble.error(record.place("node"), message, help);
             }
         }
+        self.join_inner_bodies();
     }
 
     /// Returns the main node of a body, which has to exist.
@@ -140,7 +141,9 @@ impl StarterConverter {
             self.only_plain(&record);
             let dofs = self.dofs(&record);
             let Some(set) = self.deck.node_set(grnod, place) else { continue };
-            let all = self.deck.node_sets[&grnod].0.clone();
+            let mut all = self.deck.node_sets[&grnod].0.clone();
+            let count = all.len();
+            self.without_inner_mains(&record, &mut all, false);
             let wall_nodes = self.wall_nodes.clone();
             let mut others = Vec::with_capacity(all.len());
             self.warn_of_walls(&record, &all);
@@ -150,7 +153,7 @@ impl StarterConverter {
                     None => others.push(node),
                 }
             }
-            if others.len() == all.len() {
+            if others.len() == count {
                 self.deck.fix_set((set, false), others, dofs, place);
             } else if !others.is_empty() {
                 let name = format!("bcs-{}", record.integer("id"));
@@ -211,10 +214,12 @@ impl StarterConverter {
         bodies.sort_by_key(|body| body.order);
         let mut tables = Vec::new();
         let mut masses = Vec::new();
-        for body in bodies {
+        for body in self.inner_bodies.values().chain(bodies.iter().copied()) {
             if body.mass > 0.0 {
                 masses.push((body.name.clone(), body.nodes.clone(), body.mass, body.place));
             }
+        }
+        for body in bodies {
             let place = body.place;
             let mut table = JobTable::new(place).with("name", place, body.name.as_str());
             let parts = self.whole_parts(&body.nodes);

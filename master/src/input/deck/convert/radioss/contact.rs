@@ -1,4 +1,4 @@
-//! Converts `/INTER/TYPE7`, `TYPE11`, `TYPE24` and `TYPE25`: contact and its interfaces.
+//! Converts `/INTER/TYPE7`, `TYPE11`, `TYPE19`, `TYPE24` and `TYPE25`: contact and its interfaces.
 
 use super::StarterConverter;
 use crate::input::deck::convert::tree::JobTable;
@@ -7,7 +7,8 @@ use crumple_proto::ids::NodeId;
 use std::collections::BTreeSet;
 
 /// Keywords of contact.
-const KEYWORDS: [&str; 4] = ["/INTER/TYPE7", "/INTER/TYPE11", "/INTER/TYPE24", "/INTER/TYPE25"];
+const KEYWORDS: [&str; 5] =
+    ["/INTER/TYPE7", "/INTER/TYPE11", "/INTER/TYPE19", "/INTER/TYPE24", "/INTER/TYPE25"];
 /// Time from which on a limit is none.
 const NEVER: f64 = 1e20;
 /// Gap flag for a constant gap.
@@ -34,7 +35,7 @@ impl StarterConverter {
             let name = if is_taken { format!("interface {id}") } else { title };
             names.insert(name.clone());
             let wants_edges = match record.row.keyword.name {
-                "/INTER/TYPE11" => true,
+                "/INTER/TYPE11" | "/INTER/TYPE19" => true,
                 "/INTER/TYPE7" => false,
                 _ => !matches!(record.integer("iedge"), 0 | 1000),
             };
@@ -175,7 +176,7 @@ impl StarterConverter {
     /// Converts gaps: a constant gap is the contact thickness of shells.
     fn gap(&mut self, record: &CardRecord, name: &str, table: &mut JobTable) {
         match record.row.keyword.name {
-            "/INTER/TYPE7" => {
+            "/INTER/TYPE7" | "/INTER/TYPE19" => {
                 let (gap, igap) = (record.real("gapmin"), record.integer("igap"));
                 if gap > 0.0 && matches!(igap, 0 | CONSTANT) {
                     table.put("thickness", record.place("gapmin"), gap);

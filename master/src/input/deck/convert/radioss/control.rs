@@ -58,6 +58,9 @@ impl StarterConverter {
             self.deck.trouble.only(record.place("invers"), message, help);
         }
         let [mass, length, time] = units_of(record);
+        if [&mass, &length, &time].iter().any(|unit| !unit.is_empty()) {
+            self.unit_names = Some(format!("{length}, {time}, {mass}"));
+        }
         if [&mass, &length, &time].iter().all(|unit| !unit.is_empty()) {
             let units = format!("{length}, {time}, {mass}");
             self.deck.tree.set("units", record.place("inmass"), units);

@@ -2,12 +2,13 @@
 
 use super::StarterConverter;
 use super::motion::or_one;
+use crate::input::deck::convert::accelerations::GravityOf;
 use crate::input::deck::convert::segments::DeckSegment;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 const DIRECTIONS: [&str; 6] = ["X", "Y", "Z", "XX", "YY", "ZZ"];
 
@@ -19,7 +20,8 @@ impl StarterConverter {
             let (grnod, place) = (record.integer("grnod"), record.place("grnod"));
             let Some((dof, amount, curve)) = self.direction(&record, &line) else { continue };
             let Some(set) = self.deck.node_set(grnod, place) else { continue };
-            let nodes = self.deck.node_sets[&grnod].0.clone();
+            let mut nodes = self.deck.node_sets[&grnod].0.clone();
+            self.without_inner_mains(&record, &mut nodes, false);
             let (key, axis) = if dof < 3 { ("force", dof) } else { ("moment", dof - 3) };
             let table = |of: JobTable, count: usize| {
                 let mut value = [0.0; 3];
@@ -48,12 +50,21 @@ impl StarterConverter {
                 self.deck.trouble.error(line.place("dir"), message, "name an axis");
                 continue;
             }
-            self.gravity_of_all(&record);
+            let Some(of) = self.gravity_of(&record) else { continue };
             let mut value = [0.0; 3];
             value[dof] = amount;
-            let table = JobTable::new(record.head)
-                .with("acceleration", line.place("fscale"), value)
-                .with("curve", line.place("fct"), curve);
+            let mut table = JobTable::new(record.head);
+            if let GravityOf::Parts(parts, shared) = of {
+                let asked = format!("on the nodes of parts {parts:?}");
+                self.deck.map(record.name(), asked, "on the masses of their elements");
+                table.put("parts", record.place("grnod"), parts);
+                self.deck.warn_of_shared(&record, "grnod", shared);
+            }
+            let table = table.with("acceleration", line.place("fscale"), value).with(
+                "curve",
+                line.place("fct"),
+                curve,
+            );
             self.deck.add("gravity", table);
         }
     }
@@ -85,17 +96,20 @@ impl StarterConverter {
         count
     }
 
-    /// Reports gravity on some nodes only.
-    fn gravity_of_all(&mut self, record: &CardRecord) {
+    /// Returns the parts on which gravity acts; `None` after a report.
+    fn gravity_of(&mut self, record: &CardRecord) -> Option<GravityOf> {
         let (grnod, place) = (record.integer("grnod"), record.place("grnod"));
-        if grnod == 0 || self.deck.node_set(grnod, place).is_none() {
-            return;
+        if grnod == 0 {
+            return Some(GravityOf::All);
         }
-        let group: BTreeSet<NodeId> = self.deck.node_sets[&grnod].0.iter().copied().collect();
-        if !self.used_nodes().is_subset(&group) {
-            let why = "gravity on a part of the model; it acts on all nodes";
-            self.deck.unsupported_value(record, "grnod", why);
+        self.deck.node_set(grnod, place)?;
+        let group = self.deck.node_sets[&grnod].0.clone();
+        let of = self.deck.parts_of_group(&group);
+        if of.is_none() {
+            let why = "gravity on some nodes of a part; it acts on whole parts";
+            self.deck.unsupported_card(record, "grnod", why);
         }
+        of
     }
 
     /// Returns the degree of freedom of a load, its amount and its curve.
@@ -220,9 +234,8 @@ impl StarterConverter {
     /// Adds the mass of a main node, which is no part of the model, to the nodes of its body.
     /// Returns false if the node is none.
     fn mass_of_main(&mut self, node: NodeId, mass: f64, place: Place) -> bool {
-        let Some(body) = self.mains.get(&node).filter(|_| !self.used.contains(&node)) else {
-            return false;
-        };
+        let body = self.mains.get(&node).or_else(|| self.inner_bodies.get(&node));
+        let Some(body) = body.filter(|_| !self.used.contains(&node)) else { return false };
         let (name, nodes) = (body.name.clone(), body.nodes.iter().copied().collect());
         let set = self.deck.rows.add_new_set(&format!("{name} mass"), nodes, place);
         self.put_mass(place, set, mass);

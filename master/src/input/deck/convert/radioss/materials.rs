@@ -23,8 +23,15 @@ const ROOM: f64 = 300.0;
 const STRAIGHT: f64 = 1.0;
 
 /// Names of the keywords of materials.
-const KEYWORDS: [&str; 6] =
-    ["/MAT/LAW0", "/MAT/LAW1", "/MAT/LAW2", "/MAT/LAW36", "/MAT/LAW42", "/MAT/LAW44"];
+const KEYWORDS: [&str; 7] = [
+    "/MAT/LAW0",
+    "/MAT/LAW1",
+    "/MAT/LAW2",
+    "/MAT/LAW36",
+    "/MAT/LAW42",
+    "/MAT/LAW44",
+    "/MAT/PLAS_PREDEF",
+];
 
 impl StarterConverter {
     /// Returns all materials by id.
@@ -39,8 +46,18 @@ impl StarterConverter {
             let is_taken = title.is_empty() || found.values().any(|m| m.name == title);
             let name = if is_taken { format!("mat-{id}") } else { title };
             let keyword = record.row.keyword.name;
+            let mut density = record.real("rho");
             let (mut table, youngs_modulus) = match keyword {
                 "/MAT/LAW42" => ogden(&record, &name),
+                "/MAT/PLAS_PREDEF" => {
+                    let Some((table, [own, e])) = self.predefined(&record, &name) else {
+                        let why = "has no values".to_string();
+                        self.deck.left_out.leave_out("MAT", id, format!("{} {why}", record.name()));
+                        continue;
+                    };
+                    density = own;
+                    (table, e)
+                }
                 _ => elastic(&record, &name),
             };
             let skin = keyword == "/MAT/LAW0";
@@ -49,6 +66,7 @@ impl StarterConverter {
                 "/MAT/LAW36" => self.yield_table(&record, &mut table),
                 "/MAT/LAW44" => self.cowper_symonds(&record, &mut table),
                 "/MAT/LAW42" => self.volume_energy(&record),
+                "/MAT/PLAS_PREDEF" => {}
                 _ => table.put("law", record.head, "elastic"),
             }
             if let (Some(failure), true) = (failures.get(&id), keyword != "/MAT/LAW2") {
@@ -69,7 +87,6 @@ impl StarterConverter {
                 }
                 None => {}
             }
-            let density = record.real("rho");
             let material = DeckMaterial {
                 name,
                 table: Some(table),
@@ -251,12 +268,8 @@ impl StarterConverter {
         }
     }
 
-    /// Returns a, b and n of the yield stress `a + b eps^n`. With iflag 1 the card has a, and
-    /// instead of b and n the largest engineering stress S and its engineering strain e. At the
-    /// true strain `g = ln(1 + e)` the true stress `s = S (1 + e)` equals its slope (Considere),
-    /// so `n = s g/(s - a)` and `b = s/(n g^(n - 1))`. If n is above 1, it is 1, and b is the
-    /// slope from the yield stress to s over `g - (s + a)/E`; if s is below a, there is no
-    /// hardening. So it is in Radioss.
+    /// Returns a, b and n of the yield stress `a + b eps^n`. With iflag 1 the card has instead of b
+    /// and n the largest engineering stress and its engineering strain.
     fn power_law(&mut self, record: &CardRecord) -> [f64; 3] {
         let ([a, given], e) =
             (["a", "b"].map(|field| record.real(field)), record.real_or("n", 1.0));
@@ -279,13 +292,7 @@ impl StarterConverter {
             self.deck.trouble.error(record.place("b"), message, help);
             return [a, 0.0, 1.0];
         }
-        let (s, g, modulus) = (given * (1.0 + e), (1.0 + e).ln(), record.real("e"));
-        let n = s * g / (s - a);
-        let (b, n) = match n {
-            _ if s <= a => (0.0, 1.0),
-            n if n > 1.0 => ((s - a) / (g - (s + a) / modulus), 1.0),
-            n => (s / (n * g.powf(n - 1.0)), n),
-        };
+        let [a, b, n] = hardening_to([a, given, e], record.real("e"));
         self.deck.map(
             format!("material {}", record.integer("id")),
             format!("iflag 1: yield stress {a}, ultimate stress {given} at {e}"),
@@ -314,24 +321,21 @@ impl StarterConverter {
             return self.deck.trouble.error(record.place("nfunc"), message, help);
         }
         let rate = |k: usize| rates.get(k).copied().unwrap_or(0.0);
-        let mut rows: Vec<Vec<f64>> = Vec::new();
+        let mut curves: Vec<(f64, Vec<[f64; 2]>)> = Vec::new();
         for (k, &(id, place)) in functions.iter().enumerate() {
             let Some(points) = self.points_of(id, place) else { return };
             let scale = scales.get(k).copied().filter(|s| *s != 0.0).unwrap_or(1.0);
-            let curve = hardening_curve(points.iter().map(|p| [p[0], scale * p[1]]).collect());
-            rows.extend(curve.iter().map(|p| match count {
-                1 => p.to_vec(),
-                _ => vec![rate(k), p[0], p[1]],
-            }));
+            curves.push((rate(k), points.iter().map(|p| [p[0], scale * p[1]]).collect()));
         }
         let place = functions[0].1;
         if count > 1 {
-            table.put("hardening_by_rate", place, rows);
-            let to = "hardening_by_rate, constant beyond the last rate";
             let of = format!("material {}", record.integer("id"));
+            table.put("hardening_by_rate", place, self.deck.rate_rows(&of, curves));
+            let to = "hardening_by_rate, constant beyond the last rate";
             self.deck.map(of, format!("{count} functions by the rate"), to);
         } else {
-            table.put("hardening", place, rows);
+            let points = curves.into_iter().flat_map(|curve| hardening_curve(curve.1));
+            table.put("hardening", place, points.map(|p| p.to_vec()).collect::<Vec<_>>());
             if rate(0) != 0.0 {
                 self.deck.map("/MAT/LAW36", "the rate of the function", "it holds for all rates");
             }
@@ -400,6 +404,22 @@ impl StarterConverter {
             format!("{lines} straight lines up to {:.4e} at a strain of {:.4e}", last[1], last[0]),
         );
     }
+}
+
+/// Returns a, b and n of the yield stress `a + b eps^n` from a, the largest engineering stress S
+/// and its engineering strain e, for Young's modulus E. At the true strain `g = ln(1 + e)` the true
+/// stress `s = S (1 + e)` equals its slope (Considere), so `n = s g/(s - a)` and
+/// `b = s/(n g^(n - 1))`. If n is above 1, it is 1, and b is the slope from the yield stress to s
+/// over `g - (s + a)/E`; if s is below a, there is no hardening. So it is in Radioss.
+pub(super) fn hardening_to([a, given, e]: [f64; 3], modulus: f64) -> [f64; 3] {
+    let (s, g) = (given * (1.0 + e), (1.0 + e).ln());
+    let n = s * g / (s - a);
+    let (b, n) = match n {
+        _ if s <= a => (0.0, 1.0),
+        n if n > 1.0 => ((s - a) / (g - (s + a) / modulus), 1.0),
+        n => (s / (n * g.powf(n - 1.0)), n),
+    };
+    [a, b, n]
 }
 
 /// Returns the largest stress of a material, if it has one [force/length^2].

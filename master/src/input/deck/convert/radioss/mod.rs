@@ -9,11 +9,13 @@ mod control;
 mod functions;
 mod groups;
 mod histories;
+mod inner_bodies;
 mod loads;
 mod materials;
 mod mesh;
 mod motion;
 mod parts;
+mod predefined;
 mod properties;
 mod surfaces;
 mod ties;
@@ -69,6 +71,8 @@ pub struct StarterConverter {
     elements: HashMap<ElemId, Vec<StarterEntry>>,
     /// Bodies by their main node.
     mains: BTreeMap<NodeId, bodies::StarterBody>,
+    /// Bodies that are parts of others, by their main nodes.
+    inner_bodies: BTreeMap<NodeId, bodies::StarterBody>,
     /// Groups of groups and of surfaces, until these are known.
     later: Vec<CardRecord>,
     /// Ids of groups by their titles.
@@ -94,6 +98,8 @@ pub struct StarterConverter {
     turned: usize,
     /// Ids of units that entities refer to, with their places.
     units: Vec<(i64, Place)>,
+    /// Units of the deck, as the job has them; `None` without units in `/BEGIN`.
+    unit_names: Option<String>,
     /// Number of curves that were made from others.
     made_curves: usize,
     /// Names of the curves of the job.
@@ -153,6 +159,7 @@ impl StarterConverter {
             element_groups: BTreeMap::new(),
             elements: HashMap::new(),
             mains: BTreeMap::new(),
+            inner_bodies: BTreeMap::new(),
             later: Vec::new(),
             titles: BTreeMap::new(),
             names: BTreeSet::new(),
@@ -165,6 +172,7 @@ impl StarterConverter {
             raised: [0; 2],
             turned: 0,
             units: Vec::new(),
+            unit_names: None,
             made_curves: 0,
             curve_names: BTreeSet::new(),
         }

@@ -38,7 +38,9 @@ impl StarterConverter {
             }
             let Some(motion) = self.motion(&record, &line) else { continue };
             let Some(set) = self.deck.node_set(grnod, place) else { continue };
-            let all = self.deck.node_sets[&grnod].0.clone();
+            let mut all = self.deck.node_sets[&grnod].0.clone();
+            let count = all.len();
+            self.without_inner_mains(&record, &mut all, false);
             let mut others = Vec::with_capacity(all.len());
             for node in &all {
                 if self.wall_nodes.contains(node) {
@@ -62,7 +64,7 @@ impl StarterConverter {
                     others.push(*node);
                 }
             }
-            if others.len() == all.len() {
+            if others.len() == count {
                 self.put_motion("nodes", set, &motion);
             } else if !others.is_empty() {
                 let name = format!("motion-{}", record.integer("id"));
@@ -175,8 +177,10 @@ impl StarterConverter {
             let Some(mut set) = self.deck.node_set(grnod, place) else { continue };
             let mut all = self.deck.node_sets[&grnod].0.clone();
             self.warn_of_walls(&record, &all);
-            if all.iter().any(|node| self.wall_nodes.contains(node)) {
-                all.retain(|node| !self.wall_nodes.contains(node));
+            let count = all.len();
+            self.without_inner_mains(&record, &mut all, true);
+            all.retain(|node| !self.wall_nodes.contains(node));
+            if all.len() < count {
                 if all.is_empty() {
                     continue;
                 }

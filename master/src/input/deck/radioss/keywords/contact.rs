@@ -60,7 +60,8 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[rigid]]` of the nodes of the group. Parts whose nodes are all in it are its `parts`. \
          The main node is no part of the model: conditions on it act on the body. mass is \
-         `[[mass]]` in equal shares on its nodes. Walls do not stop its nodes unless Ikrem is 1",
+         `[[mass]]` in equal shares on its nodes. Walls do not stop its nodes unless Ikrem is 1. \
+         A body whose main node is in the group of another one is a part of that one",
     )
     .unused(&[
         refused("sens", "bodies that a sensor switches"),
@@ -134,6 +135,40 @@ pub const KEYWORDS: &[Keyword] = &[
         refused("sens", "contact that a sensor starts"),
         refused("fctf", "friction as a function"),
         no_effect("ascalef", "it scales that function"),
+        refused("fricid", "friction by parts"),
+        OTHER_FRICTION,
+    ]),
+    Keyword::new(
+        "/INTER/TYPE19",
+        &[
+            TITLE,
+            ("surf1:i surf2:i istf:i ithe:i igap:i iedge:i ibag:i idel:i icurv:i", Once),
+            ("fscalegap:r20 gapmax:r20", Once),
+            ("stmin:r20 stmax:r20 meshsize:r20 dtmin:r20 iremgap:i iremi2:i", Once),
+            ("nc1:i nc2:i", Count(curved)),
+            ("stfac:r20 fric:r20 gapmin:r20 tstart:r20 tstop:r20", Once),
+            ("blank:a7 ibc:a3 blank:a20 inacti:i viss:r20 visf:r20 bumult:r20", Once),
+            ("ifric:i ifiltr:i xfreq:r20 iform:i sens:i blank:a30 fricid:i", Maybe),
+            COEFFICIENTS,
+            SIXTH,
+        ],
+        "contact of two surfaces, in both directions, with `contact.edges`: `/INTER/TYPE7` and \
+         `TYPE11` in one",
+    )
+    .unused(&[
+        no_effect("istf stmin stmax stfac dtmin viss visf", PENALTY),
+        refused("ithe", "heat in contact"),
+        no_effect("iedge", "edges are those of the engine"),
+        no_effect("ibag", "it is for airbags"),
+        no_effect("idel", "faces of failed elements leave the contact"),
+        ignored("icurv nc1 nc2", "segments are flat; see `contact.surface`"),
+        ignored("fscalegap gapmax", "the gap is the mean thickness"),
+        no_effect("meshsize iremgap iremi2 bumult", SEARCH),
+        no_effect("inacti", "initial penetrations are kept without force"),
+        ignored("ibc", "fixed degrees of freedom stay fixed in contact"),
+        FRICTION,
+        no_effect("iform", "friction has a stick point"),
+        refused("sens", "contact that a sensor starts"),
         refused("fricid", "friction by parts"),
         OTHER_FRICTION,
     ]),

@@ -68,7 +68,7 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "/GRAV",
         FORCE,
-        "`[[gravity]]` on the whole model; a group with fewer nodes is not supported",
+        "`[[gravity]]` on the whole model, or of `parts` if the group has their nodes",
     )
     .unused(&[SENSOR, KIND]),
     Keyword::new(

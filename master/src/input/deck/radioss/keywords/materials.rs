@@ -144,6 +144,12 @@ pub const KEYWORDS: &[Keyword] = &[
         refused("m", "relaxation of the stress"),
     ]),
     Keyword::new(
+        "/MAT/PLAS_PREDEF",
+        &[TITLE, ("predef:a20!", Once)],
+        "law `johnson_cook` with the values of OpenRadioss for STEEL, HSS, UHSS, AA5182, \
+         AA6082-T6, PA6GF30 or PPT40, without rate and heat, in the units of `/BEGIN`",
+    ),
+    Keyword::new(
         "/FAIL/JOHNSON",
         &[
             ("d1:r20 d2:r20 d3:r20 d4:r20 d5:r20", Once),

@@ -1,0 +1,71 @@
+//! Materials by name, their failure on solids, functions of the rate that cross. Units mm, ms, kg.
+
+use super::{card, deck, mesh, model, moves, properties, reading, said};
+use crumple::input::job::Model;
+
+fn text_of(law: &str) -> String {
+    mesh() + &properties() + &moves() + &deck(law)
+}
+
+fn numbers(model: &Model, keys: &[&str]) -> Vec<f64> {
+    let law = &model.job.material[0];
+    keys.iter().map(|key| law.parameters[*key].as_float().expect("a number")).collect()
+}
+
+/// The values of high-strength steel, in the units of the deck.
+#[test]
+fn a_material_of_the_format_has_its_values() {
+    let found = model(&text_of("/MAT/PLAS_PREDEF/1\n=steel\n=HSS"));
+    let law = &found.job.material[0];
+    assert_eq!(law.law, "johnson_cook");
+    let values = numbers(&found, &["a", "b", "n"]);
+    let wanted = [0.3, 0.6114074651483, 0.3967613457219];
+    for (value, wanted) in values.iter().zip(wanted) {
+        assert!((value / wanted - 1.0).abs() < 1e-6, "{values:?}");
+    }
+    let elastic = [law.density, numbers(&found, &["youngs_modulus"])[0]];
+    for (value, wanted) in elastic.iter().zip([7.85e-6, 210.0]) {
+        assert!((value / wanted - 1.0).abs() < 1e-12, "{elastic:?}");
+    }
+    let report = reading(&text_of("/MAT/PLAS_PREDEF/1\n=steel\n=GOLD"), &[]).err();
+    let report = report.expect("a report");
+    assert!(report.contains("there is no material `GOLD`") && report.contains("UHSS"), "{report}");
+    assert_eq!(report.matches("error:").count(), 1, "{report}");
+}
+
+/// Localized necking is for shells: without any, it has no effect.
+#[test]
+fn localized_necking_is_for_shells() {
+    let law = "/MAT/PLAS_PREDEF/1\n=steel\n=HSS\n/FAIL/BIQUAD/1\nr0 r0 r0 r0 r0\n\
+               r1.0 i2 i3 r0.1 _ i0 r0\n";
+    let report = reading(&text_of(law), &[]).err().expect("a report");
+    assert!(report.contains("`sflag` = 3 is not supported"), "{report}");
+    // The shells have another material.
+    let plate = card("i1 i1 i0");
+    let text = text_of(law).replacen(&plate, &card("i1 i2 i0"), 1)
+        + &deck("/MAT/ELAST/2\n=other\nr7.85e-6\nr207.0 r0.3");
+    let found = model(&text);
+    let words = "`sflag` 3, localized necking, is for shells";
+    assert!(said(&found).contains(words), "{}", said(&found));
+    assert!(found.job.material.iter().any(|m| m.parameters.contains_key("gissmo_failure_strain")));
+}
+
+/// Functions that would cross beyond their last points only: the one of the larger rate goes on
+/// with that of the smaller one.
+#[test]
+fn functions_that_cross_beyond_their_points_do_not_cross() {
+    let law = "/FUNCT/8\n=y\nr0 r0.3\nr0.5 r0.4\n/FUNCT/9\n=z\nr0 r0.4\nr0.5 r0.45\n\
+               /MAT/LAW36/1\n=m\nr7.85e-6\nr200 r0.3\ni2\n_\ni8 i9\nr1 r1\nr0 r0.5";
+    let found = model(&text_of(law));
+    let rows = found.job.material[0].parameters["hardening_by_rate"].as_array().expect("rows");
+    let last = |rate: f64| -> Vec<f64> {
+        let row = |row: &&toml::Value| row[0].as_float() == Some(rate);
+        let row = rows.iter().rev().find(row).expect("a row");
+        [1, 2].map(|c| row[c].as_float().expect("a number")).to_vec()
+    };
+    assert_eq!(last(0.0)[0], 10.0);
+    // Slopes of 0.2 and 0.1 from 0.4 and 0.45 at 0.5: the smaller rate follows the larger one.
+    assert!((last(0.5)[1] - (0.45 + 0.1 * 9.5)).abs() < 1e-12, "{:?}", last(0.5));
+    assert!((last(0.0)[1] - last(0.5)[1]).abs() < 1e-12, "{:?}", last(0.0));
+    assert!(said(&found).contains("cross beyond their last points"), "{}", said(&found));
+}
