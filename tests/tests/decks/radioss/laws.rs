@@ -69,3 +69,30 @@ fn functions_that_cross_beyond_their_points_do_not_cross() {
     assert!((last(0.0)[1] - last(0.5)[1]).abs() < 1e-12, "{:?}", last(0.0));
     assert!(said(&found).contains("cross beyond their last points"), "{}", said(&found));
 }
+
+/// A fabric has the moduli of its yarns along the axes of its property, and R_E is compression or
+/// none.
+#[test]
+fn a_fabric_has_its_yarns_along_the_axes_of_its_property() {
+    let sheet = card("i1 i1 i0");
+    let text = |share: &str, more: &str| {
+        let law = format!(
+            "/MAT/FABRI/5\n=tissue\nr2e-7\nr0.2 r0.1 r0.3\nr0.076 r0.07 r0.07\n{share}\n\
+             /PROP/SH_ORTH/5\n=tissue\ni1 i0 i0 i0\nr0 r0 r0 r0 r0\ni1 i0 r0.5\n\
+             r0 r1 r0 r30\n/MAT/ELAST/1\n=steel\nr7.85e-6\nr207.0 r0.3\n{more}"
+        );
+        text_of(&law).replacen(&sheet, &card("i5 i5 i0"), 1)
+    };
+    let found = model(&text("r0.001", ""));
+    let law = found.job.material.iter().find(|m| m.law == "fabric").expect("a fabric");
+    let number = |key: &str| law.parameters[key].as_float().expect("a number");
+    assert_eq!([number("youngs_modulus"), number("youngs_modulus_b")], [0.2, 0.1]);
+    assert_eq!([number("poisson"), number("shear_modulus")], [0.3 * 0.1 / 0.2, 0.076]);
+    assert_eq!(number("angle"), 30.0);
+    assert_eq!(law.parameters["direction"].as_array().expect("a vector")[1].as_float(), Some(1.0));
+    assert!(!law.parameters.contains_key("compression"));
+    let whole = model(&text("r0", ""));
+    assert!(whole.job.material.iter().any(|m| m.parameters.contains_key("compression")));
+    let report = reading(&text("r0.2", ""), &[]).err().expect("a report");
+    assert!(report.contains("`re` = 0.2 is not supported"), "{report}");
+}

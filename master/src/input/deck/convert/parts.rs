@@ -13,7 +13,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::mesh::Shape;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::HashMap;
 
 /// Default hourglass coefficient in decks: LS-DYNA's QM.
 const DEFAULT_HOURGLASS: f64 = 0.1;
@@ -151,22 +151,6 @@ impl DeckConverter {
         self.parts_with_layers(materials, sections, &mut names);
         self.remove_left_out();
         self.unused_sections(sections);
-    }
-
-    /// Notes sections that no part refers to; their fields need no reports.
-    fn unused_sections(&mut self, sections: &Sections) {
-        let is_section = |record: &CardRecord| record.row.keyword.name.starts_with("SECTION_");
-        let others = self.read.iter().filter(|record| !is_section(record));
-        let used: BTreeSet<i64> =
-            others.flat_map(|r| r.lines("secid")).map(|line| line.integer("secid")).collect();
-        let unused = sections.by_id.iter().filter(|(id, _)| !used.contains(id));
-        let unused: BTreeMap<i64, &DeckSection> = unused.map(|(id, of)| (*id, of)).collect();
-        for (id, section) in unused {
-            let card = &section.record;
-            self.map(format!("{} {id}", card.name()), "no part refers to it", "not used");
-            let place = card.place("secid");
-            self.read.retain(|r| !is_section(r) || r.place("secid") != place);
-        }
     }
 
     /// Refuses the mass properties of a part that is not rigid.

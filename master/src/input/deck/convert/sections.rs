@@ -3,7 +3,7 @@
 use super::DeckConverter;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A section.
 #[derive(Debug)]
@@ -153,6 +153,22 @@ impl DeckConverter {
             hourglass.insert(record.integer("hgid"), (form, bulk, record.place("ihq")));
         }
         Sections { by_id, defaults: self.defaults(), hourglass }
+    }
+
+    /// Notes sections that no part refers to; their fields need no reports.
+    pub(super) fn unused_sections(&mut self, sections: &Sections) {
+        let is_section = |record: &CardRecord| record.row.keyword.name.starts_with("SECTION_");
+        let others = self.read.iter().filter(|record| !is_section(record));
+        let used: BTreeSet<i64> =
+            others.flat_map(|r| r.lines("secid")).map(|line| line.integer("secid")).collect();
+        let unused = sections.by_id.iter().filter(|(id, _)| !used.contains(id));
+        let unused: BTreeMap<i64, &DeckSection> = unused.map(|(id, of)| (*id, of)).collect();
+        for (id, section) in unused {
+            let card = &section.record;
+            self.map(format!("{} {id}", card.name()), "no part refers to it", "not used");
+            let place = card.place("secid");
+            self.read.retain(|r| !is_section(r) || r.place("secid") != place);
+        }
     }
 
     fn defaults(&mut self) -> Defaults {

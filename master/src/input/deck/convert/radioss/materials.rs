@@ -23,10 +23,11 @@ const ROOM: f64 = 300.0;
 const STRAIGHT: f64 = 1.0;
 
 /// Names of the keywords of materials.
-const KEYWORDS: [&str; 7] = [
+const KEYWORDS: [&str; 8] = [
     "/MAT/LAW0",
     "/MAT/LAW1",
     "/MAT/LAW2",
+    "/MAT/LAW19",
     "/MAT/LAW36",
     "/MAT/LAW42",
     "/MAT/LAW44",
@@ -49,6 +50,7 @@ impl StarterConverter {
             let mut density = record.real("rho");
             let (mut table, youngs_modulus) = match keyword {
                 "/MAT/LAW42" => ogden(&record, &name),
+                "/MAT/LAW19" => self.fabric(&record, &name),
                 "/MAT/PLAS_PREDEF" => {
                     let Some((table, [own, e])) = self.predefined(&record, &name) else {
                         let why = "has no values".to_string();
@@ -66,7 +68,7 @@ impl StarterConverter {
                 "/MAT/LAW36" => self.yield_table(&record, &mut table),
                 "/MAT/LAW44" => self.cowper_symonds(&record, &mut table),
                 "/MAT/LAW42" => self.volume_energy(&record),
-                "/MAT/PLAS_PREDEF" => {}
+                "/MAT/PLAS_PREDEF" | "/MAT/LAW19" => {}
                 _ => table.put("law", record.head, "elastic"),
             }
             if let (Some(failure), true) = (failures.get(&id), keyword != "/MAT/LAW2") {
@@ -77,7 +79,12 @@ impl StarterConverter {
                 self.largest_strain(limits, &mut table);
             }
             match parabolas.get(&id) {
-                Some(card) if !matches!(keyword, "/MAT/LAW0" | "/MAT/LAW1" | "/MAT/LAW42") => {
+                Some(card)
+                    if !matches!(
+                        keyword,
+                        "/MAT/LAW0" | "/MAT/LAW1" | "/MAT/LAW19" | "/MAT/LAW42"
+                    ) =>
+                {
                     self.biquad(card, &mut table);
                 }
                 Some(card) => {

@@ -6,6 +6,7 @@ mod biquad;
 mod bodies;
 mod contact;
 mod control;
+mod fabric;
 mod functions;
 mod groups;
 mod histories;
@@ -98,6 +99,8 @@ pub struct StarterConverter {
     turned: usize,
     /// Ids of units that entities refer to, with their places.
     units: Vec<(i64, Place)>,
+    /// Materials with the axes of their parts.
+    fabrics: fabric::Fabrics,
     /// Units of the deck, as the job has them; `None` without units in `/BEGIN`.
     unit_names: Option<String>,
     /// Number of curves that were made from others.
@@ -172,6 +175,7 @@ impl StarterConverter {
             raised: [0; 2],
             turned: 0,
             units: Vec::new(),
+            fabrics: fabric::Fabrics::default(),
             unit_names: None,
             made_curves: 0,
             curve_names: BTreeSet::new(),

@@ -54,6 +54,7 @@ impl StarterConverter {
             let own = own_thickness.get(&id).map_or(&[][..], Vec::as_slice);
             let elements = (shapes.get(&id).copied().unwrap_or_default(), own);
             self.section(&record, (of, properties), elements, &mut table);
+            self.note_axes(&record, of);
             self.skin(&record, law, of.kind, &mut table);
             used.insert(material);
             self.deck.add("part", table);
@@ -61,7 +62,9 @@ impl StarterConverter {
         self.deck.remove_left_out();
         for id in used {
             if let Some(table) = materials.get(&id).and_then(|m| m.table.as_ref()) {
-                self.deck.add("material", table.copy());
+                let mut table = table.copy();
+                self.put_axes(id, &mut table);
+                self.deck.add("material", table);
             }
         }
     }

@@ -68,6 +68,7 @@ impl StarterConverter {
         let _ = found.solids.as_ref().map(|card| ["isolid", "itetra4"].map(|f| card.integer(f)));
         for (name, kind) in [
             ("/PROP/TYPE1", SectionKind::Shell),
+            ("/PROP/TYPE9", SectionKind::Shell),
             ("/PROP/TYPE14", SectionKind::Solid),
             ("/PROP/TYPE20", SectionKind::ThickShell),
             ("/PROP/TYPE2", SectionKind::Beam),

@@ -70,6 +70,26 @@ pub const KEYWORDS: &[Keyword] = &[
         FILTER,
     ]),
     Keyword::new(
+        "/MAT/LAW19",
+        &[
+            TITLE,
+            DENSITY,
+            ("e11:r20! e22:r20! nu12:r20", Once),
+            ("g12:r20! g23:r20 g31:r20", Once),
+            ("re:r20 blank:a20 zerostress:r20 fscalepor:r20 sens:i", Maybe),
+        ],
+        "law `fabric` with the axes of `/PROP/TYPE9`; R_E 1 is with `compression`, up to 0.01 \
+         without any",
+    )
+    .aliases(&["/MAT/FABRI"])
+    .unused(&[
+        REFERENCE,
+        ignored("g23 g31", "the shear across the thickness is that of the formulation"),
+        ignored("zerostress", "the stress is zero in the mesh as given"),
+        no_effect("fscalepor", "it is for airbags with finite volumes"),
+        refused("sens", "a reference state that a sensor ends"),
+    ]),
+    Keyword::new(
         "/MAT/LAW36",
         &[
             TITLE,

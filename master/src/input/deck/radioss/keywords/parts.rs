@@ -43,6 +43,29 @@ pub const KEYWORDS: &[Keyword] = &[
         no_effect("ashear", "the shear factor is 5/6"),
     ]),
     Keyword::new(
+        "/PROP/TYPE9",
+        &[
+            TITLE,
+            ("ishell:i ismstr:i ish3n:i idril:i blank:a20 pthick:r20", Once),
+            ("hm:r20 hf:r20 hr:r20 dm:r20 dn:r20", Once),
+            ("n:i istrain:i thick:r20 ashear:r20 blank:a10 ithick:i iplas:i", Once),
+            ("vx:r20 vy:r20 vz:r20 phi:r20", Maybe),
+        ],
+        "the same with the reference vector and the angle of the axes of a fabric (`direction` and \
+         `angle` of the material), which have to be the same for all parts with this material",
+    )
+    .aliases(&["/PROP/SH_ORTH"])
+    .unused(&[
+        no_effect("ismstr", "strains are finite"),
+        no_effect("ish3n", "triangles have one formulation"),
+        no_effect("istrain", "strains are no output here"),
+        no_effect("iplas", "the return to the yield surface is iterated"),
+        no_effect("hm hf hr", "hourglass control has a scale of its own"),
+        ignored("dm dn", "shells have no numerical damping"),
+        ignored("pthick", "a shell is deleted when all its points have failed"),
+        no_effect("ashear", "the shear factor is 5/6"),
+    ]),
+    Keyword::new(
         "/PROP/TYPE14",
         &[
             TITLE,
@@ -155,7 +178,6 @@ pub const KEYWORDS: &[Keyword] = &[
     not_yet("/PROP/TYPE0", "void properties; use a property of shells with a void material")
         .aliases(&["/PROP/VOID"]),
     not_yet("/PROP/TYPE6", "orthotropic solids").aliases(&["/PROP/SOL_ORTH"]),
-    not_yet("/PROP/TYPE9", "orthotropic shells").aliases(&["/PROP/SH_ORTH"]),
     not_yet("/PROP/TYPE8", "springs with six stiffnesses").aliases(&["/PROP/SPR_GENE"]),
     not_yet("/PROP/TYPE10", "composite shells").aliases(&["/PROP/SH_COMP"]),
     not_yet("/PROP/TYPE11", "sandwich shells").aliases(&["/PROP/SH_SANDW"]),
