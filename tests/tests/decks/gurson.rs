@@ -1,13 +1,12 @@
-//! Metals with voids in decks: parameters, what is refused, written decks, a bar that breaks. Units
-//! mm, ms, kg, so kN and GPa.
+//! Metals with voids in decks: parameters, what is refused, written decks. Units mm, ms, kg, so kN
+//! and GPa.
 
 use crate::base::{BASE, MOVES, PULLED, assert_refused, assert_same_when_written, model_of};
 use crumple_proto::partition::Param;
 
 /// The base of this metal.
 fn base(cards: &str) -> String {
-    let base = BASE.replace("plate\n1,1,1\ncube\n2,2,1\n", "plate\n1,1,1\ncube\n2,2,1\n");
-    format!("{base}{MOVES}{cards}")
+    format!("{BASE}{MOVES}{cards}")
 }
 
 /// A card with these parts: after the first five fields, after the voids, and the last cards.

@@ -75,10 +75,17 @@ fn limits_are_those_of_the_area_of_a_weld() {
                     0.0,1.0\n";
     let model = model_of(&peel(&format!("{stresses}{ASSEMBLY}")));
     assert_eq!(limits(&model), [0.3, 0.2]);
-    let damage = "*MAT_100_DA\n2,7.85e-6,210.0,0.3,0.4,1.0\n0.1,2.0,1.6,1.6\n0.3\n";
+    let damage =
+        "*MAT_SPOTWELD_DAMAGE-FAILURE\n2,7.85e-6,210.0,0.3,0.4,1.0\n0.1,2.0,1.6,1.6\n0.3\n";
     let model = model_of(&peel(damage));
     assert_eq!(material(&model).get("softening"), Some(&Param::List(vec![0.1, 0.3])));
     assert_eq!(material(&model).get("failure_strain"), None);
+    // With damage the solids fail one by one, unless asff is 1.
+    for (asff, groups) in [("0", 0), ("1", 1)] {
+        let cards = damage.replace("\n0.3\n", &format!("\n0.3,0,0,0,{asff}\n"));
+        let model = model_of(&peel(&format!("{cards}{ASSEMBLY}")));
+        assert_eq!(model.settings.failure_groups.len(), groups, "asff {asff}");
+    }
     let endless = "*MAT_SPOTWELD\n2,7.85e-6,210.0,0.3,0.4,1.0\n";
     let model = model_of(&peel(&format!("{endless}{ASSEMBLY}")));
     assert!(model.settings.failure_groups.is_empty());
@@ -96,8 +103,8 @@ fn what_is_not_supported_is_refused() {
         (with("0.0,3.0"), "use 0 (forces) or 1"),
         (with("0.05,1.0"), "complete at efail or before"),
         (with("0.3,1.0,0,0,0,0.5"), "another law"),
-        (with("0.3,1.0,0,0,0,0,0,3"), "damage by time or energy"),
-        (with("0.3,1.0,0,0,1"), "one by one"),
+        (with("0.3,1.0,0,0,0,0,0,1"), "another course of damage"),
+        ("*MAT_SPOTWELD\n2,7.85e-6,210.0,0.3,-4\n0.0,2.0,1.6,1.6\n".into(), "a curve of the yield"),
     ] {
         assert_refused(&peel(&cards), &[words]);
     }
@@ -105,6 +112,12 @@ fn what_is_not_supported_is_refused() {
     let wide = peel(forces).replace("22,4,0,", "22,5,0,").replace("25,4,2,", "25,5,2,");
     let wide = wide.replace("32,4,0,", "32,5,0,").replace("35,4,2,", "35,5,2,");
     assert_refused(&wide, &["areas from 4.0000 to 6.0000"]);
+    let wedge =
+        peel(forces).replace("101,2,21,22,25,24,31,32,35,34", "101,2,21,22,25,25,31,32,35,35");
+    assert_refused(&wedge, &["solid 101 is a spot weld with limits, and no hexahedron"]);
+    let stresses = "*MAT_SPOTWELD_DAMAGE-FAILURE\n2,7.85e-6,210.0,0.3\n0.0,0.3,0.2\n0.0,1.0\n";
+    let wedge = wedge.replace(forces, stresses);
+    assert_refused(&wedge, &["erosion_weld_normal_stress is for hexahedra only"]);
 }
 
 /// The solid on the pulled side fails first. As an assembly the other one fails with it, on any

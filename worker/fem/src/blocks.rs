@@ -244,9 +244,10 @@ impl Blocks {
         for b in &mut self.blocks {
             let Some(column) = b.element.failure_column() else { continue };
             let own = self.elements[b.first..b.first + b.count].iter().enumerate();
-            for (i, _) in own.filter(|(_, e)| ids.contains(&e.record.id)) {
-                b.history.set_column(i, column, 1.0);
-            }
+            let members = own.filter(|(_, e)| ids.contains(&e.record.id)).map(|(i, _)| i);
+            // Those that have failed keep their mark: it says why.
+            let alive: Vec<usize> = members.filter(|&i| !b.element.failed(b.state(i))).collect();
+            alive.into_iter().for_each(|i| b.history.set_column(i, column, 1.0));
         }
     }
 

@@ -50,13 +50,20 @@ pub fn resolve(
                 }
                 Some(element) if !can_fail(element) => {
                     let what = format!("element {id} of part {} cannot fail", element.part);
-                    wrong(what, "give its material a criterion of failure");
+                    let help = "give its material a criterion of failure; thick shells and \
+                                cohesive elements do not fail together";
+                    wrong(what, help);
                 }
                 Some(element) => ids.push(element.id),
             }
             if let Some(other) = owner.insert(id, index) {
-                let in_it = &job.failure_group[other].name;
-                let what = format!("element {id} is in group `{in_it}` already");
+                let what = match other == index {
+                    true => format!("element {id} is listed twice"),
+                    false => {
+                        let in_it = &job.failure_group[other].name;
+                        format!("element {id} is in group `{in_it}` already")
+                    }
+                };
                 wrong(what, "list each element once");
             }
         }

@@ -386,3 +386,48 @@ fn a_failed_element_lets_go() {
     assert_eq!((solids.largest().0, totals.internal, totals.trouble), (0.0, 0.0, None));
     assert_eq!(totals.stable_dt, f64::INFINITY);
 }
+
+/// A spot weld that lies at an angle and turns fails at the same strain as one across z: its plane
+/// is that of its first face, and it turns with the material.
+#[test]
+fn welds_keep_their_plane_in_any_position() {
+    let e = 200.0;
+    let limits = [("erosion_weld_normal_stress", 0.4), ("erosion_weld_shear_stress", 0.1)];
+    let weld = material(
+        "elastic",
+        1e-6,
+        &[&[("youngs_modulus", e), ("poisson", 0.0)], &limits[..]].concat(),
+    );
+    let fails_at = |lie: [f64; 3], turn: [f64; 3]| {
+        let (nodes, cells) = block([1, 1, 1], [2.0, 2.0, 1.0]);
+        let laid: Vec<[f64; 3]> = nodes.iter().map(|&x| rotate(lie, x)).collect();
+        let part = solid_part(HourglassForm::Stiffness, None);
+        let mut solids = Solids::new(part, weld.clone(), &laid, &cells);
+        let start = solids.x.clone();
+        for step in 1..=4000 {
+            let share = f64::from(step) / 4000.0;
+            for (k, x) in nodes.iter().enumerate() {
+                let pulled = [x[0], x[1], x[2] * (1.0 + 4e-3 * share)];
+                let to = rotate(turn.map(|a| a * share), rotate(lie, pulled));
+                let now = solids.x[k];
+                (0..3).for_each(|i| solids.v[k][i] = to[i] - now[i]);
+            }
+            solids.step(1.0);
+            if solids.element.failed(solids.history.element(0)) {
+                return 4e-3 * share;
+            }
+        }
+        panic!("it holds from {start:?}")
+    };
+    let plain = fails_at([0.0; 3], [0.0; 3]);
+    // 0.4/200, in steps of 1e-6.
+    assert!((plain - 2e-3).abs() < 4e-6, "{plain}");
+    for (lie, turn) in [
+        ([0.3, -1.1, 0.7], [0.0; 3]),
+        ([0.0; 3], [0.9, 0.4, -0.5]),
+        ([1.2, 0.5, 2.0], [0.3, 1.0, 0.2]),
+    ] {
+        let got = fails_at(lie, turn);
+        assert!((got - plain).abs() < 4e-6, "{lie:?} {turn:?}: {got} for {plain}");
+    }
+}

@@ -468,6 +468,12 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
                     materials::build_solid(m).map_err(|found| law_problems(index, found)).ok()
                 });
                 let law = law.unwrap_or_else(materials::solid_placeholder_law);
+                if let Some((index, material)) = material.filter(|_| shape != Shape::Hex8) {
+                    let found = materials::problems_of_welds(material);
+                    if !found.is_empty() {
+                        law_problems(index, found);
+                    }
+                }
                 solid::with_interior(part, values, law).and_then(|law| build(part, values, law))
             }
             Constructor::Cohesive(build) => {

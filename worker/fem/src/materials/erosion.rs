@@ -13,8 +13,9 @@
 //! the transverse shear. All three are of sums of the increments, in axes that turn with the
 //! material. A point fails as soon as one of them holds; its stress is zero from then on. Each
 //! criterion has the key of its name with `erosion_` before it. The last one, of spot welds as
-//! solids, is of the normal stress and the shear stress on the plane across the direction from the
-//! face of the nodes 1 to 4 to the other face; a limit that is not given is infinite.
+//! solids, is of the normal stress and the shear stress on the plane of the sides of the node 1 in
+//! the face of the nodes 1 to 4, which turns with the material; a limit that is not given is
+//! infinite.
 //!
 //! With `major_strain_start` e_s the stress fades before it: a point carries the share
 //! ```text
@@ -156,6 +157,19 @@ pub fn split(material: &Material) -> Result<(Material, ErosionLimits), Vec<Probl
         problems.push(Problem::error(key, message, help));
     }
     if problems.is_empty() { Ok((rest, limits)) } else { Err(problems) }
+}
+
+/// Returns the problems of criteria of welds of a material of solids other than hexahedra, whose
+/// faces do not say which ones are on the sheets.
+pub fn problems_of_welds(material: &Material) -> Vec<Problem> {
+    let keys = WELD.map(|at| EROSION[at].key);
+    let given = keys.into_iter().filter(|key| material.parameters.contains_key(*key));
+    given
+        .map(|key| {
+            let message = format!("material '{}': {key} is for hexahedra only", material.name);
+            Problem::error(key, message, "mesh welds with hexahedra, or use beams")
+        })
+        .collect()
 }
 
 /// Criteria of a law.

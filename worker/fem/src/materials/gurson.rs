@@ -195,7 +195,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Gurson, Vec<
         }
     }
     let least = by_size.iter().flatten().map(|row| row[1]).chain(at).reduce(f64::min);
-    check_order(&mut parameters, voids, critical, least);
+    check_order(&mut parameters, q1, [Some(voids), critical, least]);
     if q1 * voids >= 1.0 {
         let help = format!("use a void fraction below 1/q1 = {}", 1.0 / q1);
         parameters.wrong(VOIDS, "leaves no strength", help);
@@ -226,12 +226,11 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Gurson, Vec<
     })
 }
 
-/// Checks that voids at the start, at coalescence and at failure ascend.
+/// Checks the void fractions at the start, at coalescence and at failure, where they are given.
 fn check_order(
     parameters: &mut Parameters<'_>,
-    voids: f64,
-    critical: Option<f64>,
-    failure: Option<f64>,
+    q1: f64,
+    [voids, critical, failure]: [Option<f64>; 3],
 ) {
     let Some(failure) = failure else {
         if critical.is_some() {
@@ -240,13 +239,15 @@ fn check_order(
         }
         return;
     };
-    let (key, before) = match critical {
-        Some(critical) => (CRITICAL, critical),
-        None => (VOIDS, voids),
-    };
-    if before >= failure {
-        let what = format!("is {before}, which is not below the fraction of failure {failure}");
-        parameters.wrong(key, what, "use a smaller value");
+    for (key, before) in [(VOIDS, voids), (CRITICAL, critical)] {
+        if let Some(before) = before.filter(|before| *before >= failure) {
+            let what = format!("is {before}, which is not below the fraction of failure {failure}");
+            parameters.wrong(key, what, "use a smaller value");
+        }
+    }
+    if let Some(critical) = critical.filter(|critical| q1 * critical >= 1.0) {
+        let what = format!("is {critical}, at which no strength is left");
+        parameters.wrong(CRITICAL, what, format!("use a value below 1/q1 = {}", 1.0 / q1));
     }
 }
 

@@ -39,7 +39,7 @@ pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
 pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint};
 pub use equation_of_state::{EQUATION_OF_STATE, Equation};
-pub use erosion::{EROSION, that_can_fail};
+pub use erosion::{EROSION, problems_of_welds, that_can_fail};
 pub use gissmo::{GISSMO, SIZE_COLUMN};
 pub use interior::with_interior_contact;
 pub use isentrope::Isentrope;

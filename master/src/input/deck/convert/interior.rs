@@ -73,6 +73,11 @@ impl DeckConverter {
             self.map(format!("part {part}"), "contact inside of solids", why);
             return;
         };
+        if keys.contains_key(KEY) {
+            let why = "not used: another set of *CONTACT_INTERIOR has the part already";
+            self.map(format!("part {part}"), format!("contact inside of solids, {value:?}"), why);
+            return;
+        }
         let item = |x: f64| Node { kind: NodeContent::Float(x), place };
         let node = Node { kind: NodeContent::Array(value.map(item).into()), place };
         keys.insert(KEY.into(), Entry { key: place, node });

@@ -138,7 +138,7 @@ impl LeftOutCards {
     }
 
     /// Returns true if there are parts that are left out.
-    fn has_parts(&self) -> bool {
+    pub(super) fn has_parts(&self) -> bool {
         self.reasons.keys().any(|(kind, _)| kind == PART)
     }
 

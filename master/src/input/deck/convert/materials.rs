@@ -406,6 +406,9 @@ impl DeckConverter {
                 table.put("failure_strain", record.place("efail"), record.real("efail"));
             }
         }
+        if record.real("sigy") < 0.0 {
+            self.unsupported_value(record, "sigy", "a curve of the yield stress: give sigy and eh");
+        }
         let tfail = record.real("tfail");
         if tfail > 0.0 && tfail < self.end_time {
             self.unsupported_value(record, "tfail", "welds that fail at a given time");

@@ -111,6 +111,8 @@ pub struct DeckConverter {
     /// with such limits.
     weld_parts: Vec<(i64, i64, Place)>,
     weld_beams: BTreeSet<i64>,
+    /// Materials of welds whose solids fail one by one.
+    weld_alone: BTreeSet<i64>,
     /// Cards of equations of state.
     equation_cards: BTreeMap<i64, CardRecord>,
     /// Equations of state of parts of solids, in the order of the deck.
@@ -286,6 +288,7 @@ impl DeckConverter {
             part_sets: BTreeMap::new(),
             weld_parts: Vec::new(),
             weld_beams: BTreeSet::new(),
+            weld_alone: BTreeSet::new(),
             segment_sets: BTreeMap::new(),
             element_sets: Default::default(),
             parts: BTreeMap::new(),

@@ -42,16 +42,16 @@ impl DeckConverter {
                 self.unsupported_value(record, "rs", why);
             }
         }
+        if rupture > 0.0 && record.integer("asff") == 0 {
+            self.weld_alone.insert(record.integer("mid"));
+        }
         for (field, why) in [
             ("beta", "damage by another law than that of a straight line"),
-            ("asff", "an assembly whose solids fail one by one"),
+            ("dmgopt", "another course of damage than that by plastic strain: use 0"),
         ] {
             if record.real(field) != 0.0 {
                 self.unsupported_value(record, field, why);
             }
-        }
-        if ![0.0, 1.0].contains(&record.real("dmgopt")) {
-            self.unsupported_value(record, "dmgopt", "damage by time or energy: use 0");
         }
         let place = record.place("nrr");
         match record.real("opt") {
@@ -69,7 +69,7 @@ impl DeckConverter {
         }
     }
 
-    /// Converts assemblies of solids, and gives the materials of solids that are welds their limits.
+    /// Converts assemblies of solids, and gives the materials of welds as solids their limits.
     pub(super) fn solid_welds(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
         let at: HashMap<u64, usize> =
             self.rows.solids.iter().enumerate().map(|(at, e)| (e.id.label(), at)).collect();
@@ -117,8 +117,8 @@ impl DeckConverter {
         }
     }
 
-    /// Reads assemblies, adds those of two solids and more that can fail to the job, and returns the
-    /// solids of each, by index.
+    /// Reads assemblies, adds those of two solids and more that can fail to the job, and returns
+    /// the solids of each, by index.
     fn assemblies(
         &mut self,
         at: &HashMap<u64, usize>,
@@ -130,8 +130,13 @@ impl DeckConverter {
             };
             material.weld.is_some() || material.table.as_ref().is_some_and(has)
         };
-        let fallible: HashSet<&str> =
-            materials.values().filter(fails).map(|material| material.name.as_str()).collect();
+        let names = |chosen: &dyn Fn(i64, &DeckMaterial) -> bool| -> HashSet<&str> {
+            let chosen = materials.iter().filter(|(mid, material)| chosen(**mid, material));
+            chosen.map(|(_, material)| material.name.as_str()).collect()
+        };
+        let fallible = names(&|_, material| fails(&material));
+        let alone = names(&|mid, _| self.weld_alone.contains(&mid));
+        let some_left_out = self.left_out.has_parts();
         let mut all = Vec::new();
         for record in self.take_records("DEFINE_HEX_SPOTWELD_ASSEMBLY") {
             let id = record.integer("id_sw");
@@ -141,6 +146,11 @@ impl DeckConverter {
                     let raised = u64::try_from(eid).map(|eid| eid + self.rows.raised[0]);
                     match raised.ok().and_then(|eid| at.get(&eid)) {
                         Some(&solid) => solids.push(solid),
+                        // It may have been left out with its part.
+                        None if some_left_out => {
+                            let why = "not used: there is no such solid";
+                            self.map(record.name(), format!("solid {eid} of weld {id}"), why);
+                        }
                         None => {
                             let message = format!("{}: there is no solid {eid}", record.name());
                             let help = "list solids of the deck, or remove it";
@@ -149,13 +159,19 @@ impl DeckConverter {
                     }
                 }
             }
-            let can_fail = solids.iter().all(|&solid| {
-                let part = i64::from(self.rows.solids[solid].part);
-                let name = self.parts.get(&part).and_then(|part| part.material.as_deref());
-                name.is_some_and(|name| fallible.contains(name))
-            });
-            if !can_fail {
-                let why = "not used: its material has no criterion of failure";
+            let have = |names: &HashSet<&str>| {
+                solids.iter().all(|&solid| {
+                    let part = i64::from(self.rows.solids[solid].part);
+                    let name = self.parts.get(&part).and_then(|part| part.material.as_deref());
+                    name.is_some_and(|name| names.contains(name))
+                })
+            };
+            let (can_fail, one_by_one) = (have(&fallible), have(&alone));
+            if !can_fail || one_by_one {
+                let why = match can_fail {
+                    true => "its solids fail one by one (asff 0 with damage)",
+                    false => "not used: its material has no criterion of failure",
+                };
                 self.map(record.name(), format!("weld {id}"), why);
             } else if solids.len() > 1 {
                 let ids: Vec<i64> =
@@ -170,8 +186,8 @@ impl DeckConverter {
         all
     }
 
-    /// Returns the mean area of the welds of some parts; `member` is the assembly of a solid. `None`
-    /// after an error.
+    /// Returns the mean area of the welds of some parts; `member` is the assembly of a solid.
+    /// `None` after an error.
     fn area_of_welds(
         &mut self,
         mid: i64,
@@ -190,7 +206,16 @@ impl DeckConverter {
         let mut alone: Vec<f64> = Vec::new();
         let mut together: BTreeMap<usize, f64> = BTreeMap::new();
         for (solid, nodes) in own {
-            let area = 0.5 * (self.area(&nodes[..4])? + self.area(nodes.get(4..8)?)?);
+            let [Some(lower), Some(upper)] = [nodes.get(..4), nodes.get(4..8)] else {
+                let message = format!(
+                    "material {mid}: solid {} is a spot weld with limits, and no hexahedron",
+                    self.rows.solids[solid].id.label()
+                );
+                let help = "mesh welds with hexahedra, or use beams";
+                self.trouble.error(place, message, help);
+                return None;
+            };
+            let area = 0.5 * (self.area(lower)? + self.area(upper)?);
             match member.get(&solid) {
                 Some(&assembly) => *together.entry(assembly).or_default() += area,
                 None => alone.push(area),

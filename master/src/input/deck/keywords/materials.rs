@@ -437,14 +437,15 @@ pub const KEYWORDS: &[Keyword] = &[
             ("rs:r opt:r fval:r true_t:r asff:i beta:r unused:r dmgopt:r", Maybe),
         ],
         "as MAT_SPOTWELD with opt 0; with opt 1 nrr (sigax) and nrs (sigsh) are stresses of \
-         solids. Damage from efail to rs is `softening`",
+         solids. Damage from efail to rs is `softening`; the solids of an assembly then fail one \
+         by one with asff 0, together with 1",
     )
     .unused(&[
         ignored("true_t", "solids of one point have no moment"),
         no_effect("fval", "it is for other opt"),
         no_effect("unused", "no field of the format"),
     ])
-    .aliases(&["MAT_100_DA"])
+    .aliases(&["MAT_100_DAMAGE-FAILURE"])
     .options(&["TITLE"]),
     Keyword::new(
         "DEFINE_HEX_SPOTWELD_ASSEMBLY",

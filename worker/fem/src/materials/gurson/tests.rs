@@ -263,6 +263,13 @@ fn wrong_parameters_are_reported() {
     ] {
         assert!(found.contains(text), "{text}: {found}");
     }
+    let many = [("void_fraction", 0.3), ("critical_void_fraction", 0.1)];
+    let many = metal(&[&many[..], &[("failure_void_fraction", 0.2)]].concat(), &[]);
+    let text = "void_fraction is 0.3, which is not below the fraction of failure 0.2";
+    assert!(problems(&many).contains(text), "{}", problems(&many));
+    let weak = [("critical_void_fraction", 0.7), ("failure_void_fraction", 0.9)];
+    let weak = problems(&metal(&weak, &[]));
+    assert!(weak.contains("is 0.7, at which no strength is left"), "{weak}");
     let alone = metal(&[("critical_void_fraction", 0.1)], &[]);
     assert!(problems(&alone).contains("without a fraction of failure"));
 }
