@@ -8,6 +8,7 @@
 
 use crate::input::job::Model;
 use crate::results::report::model_page::ExpectedCost;
+use crumple_proto::belt::BeltSystem;
 use crumple_proto::boxes::CutTree;
 use crumple_proto::ids::NodeId;
 use crumple_proto::loads::ResolvedLoads;
@@ -352,6 +353,7 @@ fn quiet(model: &Model, contact: bool) -> Settings {
     let mut settings = model.settings.clone();
     settings.walls.clear();
     settings.rigid.clear();
+    settings.belts = BeltSystem::default();
     settings.field_times.clear();
     settings.loads = ResolvedLoads::default();
     settings.history_interval = f64::MAX;

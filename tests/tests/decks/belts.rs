@@ -1,9 +1,11 @@
 //! Seat belts of LS-DYNA decks. Units mm, ms, kg.
 
-use crate::base::{refused, with};
+use crate::base::{BASE, MOVES, STEEL, refused, with};
 use crumple_proto::belt::{BeltSensor, BeltSystem};
 use crumple_proto::ids::NodeId;
+use crumple_tests::program::{crumple_with, run};
 use crumple_tests::run_alone;
+use std::fs;
 
 /// Nodes of a belt: two are wound up at node 11 of the plate, where 303 is the mouth; 304 is at
 /// node 12 of the plate, where the belt turns upwards.
@@ -101,6 +103,34 @@ fn a_deck_with_a_belt_runs() {
     assert!(ring.length < -1.5 && ring.tensions[1] > ring.tensions[0], "{ring:?}");
     let out = end.nodes.local_index(NodeId(302)).expect("a node");
     assert!(end.nodes.x[out as usize][0] > 0.1, "a wound up node has come out");
+}
+
+/// The commands know belts: the check counts them, the run writes their histories, exports are
+/// refused.
+#[test]
+fn commands_know_belts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deck.k");
+    let short = BASE.replace("*CONTROL_TERMINATION\n10.0", "*CONTROL_TERMINATION\n0.5");
+    fs::write(&path, format!("{short}{STEEL}{MOVES}{}*END\n", deck(&[]))).unwrap();
+    let path = path.to_str().unwrap();
+    let checked = run(crumple_with(&["check", path])).with_code(0).said();
+    let counts = "seat belts   1: 6 elements, 1 rings, 1 retractors, 1 pretensioners";
+    assert!(checked.contains(counts), "{checked}");
+    let ended = run(crumple_with(&["run", path])).with_code(0);
+    let table = fs::read_to_string(ended.out().join("belts.csv")).unwrap();
+    let mut lines = table.lines();
+    let head = lines.next().unwrap();
+    let columns = ["belt", "tension", "tension beyond", "length", "energy", "locked"];
+    for (name, given) in columns.iter().zip(head.split(',').skip(1)) {
+        assert!(given.starts_with(name), "{head}");
+    }
+    let names: Vec<&str> = lines.take(8).filter_map(|line| line.split(',').nth(1)).collect();
+    assert_eq!(names[6..], ["ring slipring-4", "retractor retractor-7"], "{table}");
+    let refused = run(crumple_with(&["export-deck", path]));
+    assert!(refused.code != Some(0));
+    let said = refused.said();
+    assert!(said.contains("seat belts cannot be written as a deck"), "{said}");
 }
 
 #[test]

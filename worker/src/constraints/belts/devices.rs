@@ -41,18 +41,22 @@ impl SensorState {
         let (above, duration) = match sensor {
             BeltSensor::Time(time) => (times.now >= *time, 0.0),
             BeltSensor::Acceleration { node, direction, limit, duration } => {
-                let v = motions[node].v;
-                let before = self.before.replace(v.into());
-                let along = |before: [f64; 3]| (v - V3::from(before)).dot(&V3::from(*direction));
-                let known = before.filter(|_| times.mid > 0.0);
-                (known.is_some_and(|before| along(before) / times.mid > *limit), *duration)
+                // A node whose part was deleted has no acceleration.
+                let now = motions.get(node).map(|motion| motion.v);
+                let before = std::mem::replace(&mut self.before, now.map(Into::into));
+                let known = now.zip(before).filter(|_| times.mid > 0.0);
+                let along = |(now, before): (V3, [f64; 3])| {
+                    (now - V3::from(before)).dot(&V3::from(*direction)) / times.mid
+                };
+                (known.is_some_and(|both| along(both) > *limit), *duration)
             }
             BeltSensor::PullOutRate { retractor, limit, duration } => {
                 (rates(*retractor) > *limit, *duration)
             }
             BeltSensor::Distance { nodes, limits } => {
-                let distance = (motions[&nodes[1]].x - motions[&nodes[0]].x).norm();
-                (distance < limits[0] || distance > limits[1], 0.0)
+                let ends = nodes.map(|node| motions.get(&node).map(|motion| motion.x));
+                let distance = ends[0].zip(ends[1]).map(|(a, b)| (b - a).norm());
+                (distance.is_some_and(|d| d < limits[0] || d > limits[1]), 0.0)
             }
         };
         self.held = if above { self.held + times.step } else { 0.0 };
@@ -127,8 +131,9 @@ impl RetractorState {
         }
     }
 
-    /// Moves the belt by a length, at the mean tension of before and after.
-    pub fn advance(&mut self, moved: f64, tensions: [f64; 2]) {
+    /// Moves the belt by a length.
+    pub fn advance(&mut self, curve: &TensionCurve, moved: f64) {
+        let tensions = [0.0, moved].map(|moved| self.holds(curve, moved));
         self.pull_out += moved;
         self.absorbed += 0.5 * (tensions[0] + tensions[1]) * moved;
         if let Some(origin) = self.origin {

@@ -176,7 +176,7 @@ impl PathState {
     ) -> Option<PassedNode> {
         let (first, end) = (open.other().next(place)?, open.next(place)?);
         let (inside, outside) = (open.other().segment(place)?, open.segment(place)?);
-        if first >= self.nodes.len() {
+        if first >= self.nodes.len() || !self.nodes[first].1 {
             return None;
         }
         let whole = self.segments[outside];

@@ -129,8 +129,8 @@ impl<'a> Sliding<'a> {
         let (into, out) = if tight == 0 { (first, second) } else { (second, first) };
         let length = from.length;
         own.slip += if tight == 0 { moved } else { -moved };
-        own.dissipated +=
-            0.5 * moved * (tensions[tight] - tensions[1 - tight] + after[0] - after[1]).abs();
+        // The tensions before are those of positions for which belt has not moved yet.
+        own.dissipated += moved * (after[0] - after[1]).max(0.0);
         own.tensions = if tight == 0 { after } else { [after[1], after[0]] };
         for (segment, moved) in [(into, moved), (out, -moved)] {
             path.segments[segment].length += moved;
@@ -164,7 +164,6 @@ impl<'a> Sliding<'a> {
             return true;
         };
         let (span, least) = self.span(path, job.path, mouth);
-        let tension = span.pull(0.0);
         let (moved, wants_more) = match pulled {
             Some([wanted, limit]) => {
                 let moved = pulled_in(&span, *wanted, *limit, least);
@@ -177,12 +176,12 @@ impl<'a> Sliding<'a> {
                 (moved, own.holds(curve, moved) > span.pull(moved))
             }
         };
-        own.tension = span.pull(moved);
+        let before_move = std::mem::replace(&mut own.tension, span.pull(moved));
         if pulled.is_some() {
             own.pull_out += moved;
-            self.slid.supplied -= 0.5 * (tension + own.tension) * moved;
+            self.slid.supplied -= 0.5 * (before_move + own.tension) * moved;
         } else {
-            own.advance(moved, [tension, own.tension]);
+            own.advance(&self.reels[retractor], moved);
         }
         let length = span.length;
         path.segments[mouth].length += moved;
