@@ -69,6 +69,7 @@ impl Engine {
         let own: BTreeSet<NodeId> = own.flat_map(|e| e.record.nodes).collect();
         // Another worker may have such a node without an element of these parts.
         let all = gather_all(comm, own.into_iter().collect())?;
+        self.constraints.belts.forget_velocities();
         let n = &mut self.nodes;
         for &i in all.iter().flatten().filter_map(|&id| n.index_of(id)).collect::<Vec<_>>().iter() {
             let i = i as usize;

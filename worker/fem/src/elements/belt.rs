@@ -111,7 +111,13 @@ pub fn is_steeper(unloading: &[[f64; 2]], loading: &[[f64; 2]]) -> bool {
     let mut forces: Vec<f64> = forces.filter(|&force| force >= loading[0][1]).collect();
     forces.sort_unstable_by(f64::total_cmp);
     forces.dedup();
-    forces.push(2.0 * forces.last().map_or(1.0, |last| last.max(f64::MIN_POSITIVE)));
+    // Loading whose last piece is level reaches no larger force.
+    let top = loading.last().map_or(0.0, |p| p[1]);
+    if loading.windows(2).last().is_none_or(|two| two[0][1] < two[1][1]) {
+        forces.push(2.0 * forces.last().map_or(1.0, |last| last.max(f64::MIN_POSITIVE)));
+    } else {
+        forces.retain(|&force| force <= top);
+    }
     // Between two forces, unloading has to need less way than loading.
     let way = |line: &PiecewiseLinear, from: f64, to: f64| line.first_at(to) - line.first_at(from);
     let slack = 1.0 + 1e-9;
@@ -171,5 +177,9 @@ mod tests {
         assert!(is_steeper(&loading, &loading));
         assert!(!is_steeper(&[[0.0, 0.0], [0.3, 2.0]], &loading));
         assert!(!is_steeper(&[[0.0, 0.0], [0.1, 1.0], [0.5, 2.0]], &loading));
+        // A limiter: its force stays below what unloading could have.
+        let limiter = [[0.0, 0.0], [10.0, 4.0], [400.0, 4.0]];
+        assert!(is_steeper(&[[0.0, 0.0], [5.0, 5.0]], &limiter));
+        assert!(!is_steeper(&[[0.0, 0.0], [15.0, 5.0]], &limiter));
     }
 }

@@ -30,6 +30,11 @@ pub struct SensorTimes {
 }
 
 impl SensorState {
+    /// Forgets the velocity before, so that the next step has no acceleration.
+    pub fn forget_velocity(&mut self) {
+        self.before = None;
+    }
+
     /// Looks at the model. `rates` are those of the pull-out of retractors [length/time].
     pub fn update(
         &mut self,

@@ -42,7 +42,7 @@ use devices::{PretensionerState, RetractorState, SensorState, SensorTimes};
 use path::PathState;
 use serde::{Deserialize, Serialize};
 use sliding::{Slid, Sliding};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Period of the spring of wound up nodes over 2 pi, in steps.
 const FOLLOWS: f64 = 10.0;
@@ -276,6 +276,11 @@ impl Belts {
         Ok(())
     }
 
+    /// Forgets the velocities that sensors of accelerations have seen: those of the model are new.
+    pub fn forget_velocities(&mut self) {
+        self.state.sensors.iter_mut().for_each(|sensor| sensor.forget_velocity());
+    }
+
     /// Updates sensors, pretensioners and locks. Returns for each retractor the length that its
     /// pretensioner pulls in, with the limit of its tension; `None` if none works.
     fn step_devices(
@@ -352,13 +357,20 @@ impl Belts {
                 self.stable_dt = self.stable_dt.min(4.0 / (c + (c * c + 4.0 * k).sqrt()));
             }
             let period = FOLLOWS * next;
-            for (&(id, _), reel) in path.nodes.iter().zip(&wound) {
-                let Some(reel) = reel else { continue };
-                let (own, to) = (&motions[&id], &motions[reel]);
+            let inside =
+                || path.nodes.iter().zip(&wound).filter_map(|(n, reel)| Some((n.0, (*reel)?)));
+            let mut masses: BTreeMap<NodeId, f64> = BTreeMap::new();
+            for (id, reel) in inside().filter(|(id, _)| motions[id].inv_mass > 0.0) {
+                *masses.entry(reel).or_default() += 1.0 / motions[&id].inv_mass;
+            }
+            for (id, reel) in inside() {
+                let (own, to) = (&motions[&id], &motions[&reel]);
                 if own.inv_mass > 0.0 {
                     let pull = (to.v - own.v) * (2.0 / period) + (to.x - own.x) / (period * period);
-                    let pull = pull / own.inv_mass;
-                    forces.extend([(id, pull), (*reel, -pull)]);
+                    // The reel moves too, by the reaction of all of them.
+                    let both = own.inv_mass * (1.0 + masses[&reel] * to.inv_mass);
+                    let pull = pull / both;
+                    forces.extend([(id, pull), (reel, -pull)]);
                 }
             }
         }

@@ -121,7 +121,7 @@ impl PathState {
 
     /// Lets the next node on the `short` side of the ring at `place` pass it; `rate` is that of the
     /// belt into the other side [length/time]. Returns where it is put; `None` if the ring stops
-    /// it.
+    /// it, or if the other side has no length for it.
     pub fn pass(
         &mut self,
         (place, short): (usize, BeltSide),
@@ -137,7 +137,10 @@ impl PathState {
         }
         let end = long.next(place)?;
         let whole = self.segments[cut];
-        let piece = (PIECE * least).min(0.5 * whole.length);
+        let piece = PIECE * least;
+        if whole.length < 2.0 * piece {
+            return None;
+        }
         let passed = self.put(next, (place, end), (piece, whole.length), rate, motions);
         let joined = self.segments[drained].length;
         self.segments[beyond].length += joined;

@@ -11,6 +11,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Part of the length of an element by which the node of a ring or retractor may be off its belt.
 const OFF: f64 = 0.01;
+/// Length over the fed length of a retractor up to which an element at it is wound up.
+const COINCIDENT: f64 = 1e-3;
 /// Smallest length over that of the shortest element, if the deck has none.
 const TENTH: f64 = 0.1;
 
@@ -297,18 +299,30 @@ impl DeckConverter {
     /// Sets the unstretched lengths of elements with slack, and of those that are wound up: they
     /// have the fed length of their retractor.
     fn belt_lengths(&mut self) {
-        let fed = self.belts.retractors.iter().map(|reel| reel.real("lfed"));
-        let fed = fed.fold(0.0, f64::max);
+        let reels: Vec<(NodeId, f64)> = self
+            .belts
+            .retractors
+            .iter()
+            .filter_map(|reel| Some((id(reel.integer("sbrnid"))?, reel.real("lfed"))))
+            .collect();
         let known: BTreeSet<ElemId> = self.rows.elements().map(|e| e.id).collect();
         let mut rows = Vec::new();
         let elements = std::mem::take(&mut self.belts.elements);
         for (eid, belt) in &elements {
             let own = self.rows.spring_id(ElemId(*eid as u64 + self.belts.raise));
             let distance = self.distance(belt.ends[0], belt.ends[1]).unwrap_or(0.0);
-            let length = match distance + belt.slack {
-                0.0 => fed,
-                length => length,
-            };
+            let mut length = distance + belt.slack;
+            let mut nearest = (f64::INFINITY, 0.0);
+            for &(reel, fed) in &reels {
+                let away = self.distance(reel, belt.ends[0]).unwrap_or(f64::INFINITY);
+                if away < nearest.0 {
+                    nearest = (away, fed);
+                }
+            }
+            // An element at its reel is wound up.
+            if length <= COINCIDENT * nearest.1 {
+                length = nearest.1;
+            }
             if length != distance && known.contains(&own) {
                 rows.push((vec![own.0 as f64, length], belt.place));
             }
@@ -337,10 +351,12 @@ impl DeckConverter {
                     return None;
                 }
                 let mut direction = [0.0; 3];
-                direction[axis] = 1.0;
                 table.put("node", card.place("nid"), card.integer("nid"));
+                // A limit below 0 is one of the other sense.
+                let limit = card.real("acc");
+                direction[axis] = if limit < 0.0 { -1.0 } else { 1.0 };
                 table.put("direction", card.place("dof"), direction);
-                table.put("acceleration", card.place("acc"), card.real("acc"));
+                table.put("acceleration", card.place("acc"), limit.abs());
                 table.put("duration", card.place("atime"), card.real("atime"));
             }
             2 => {

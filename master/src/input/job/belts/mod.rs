@@ -99,6 +99,11 @@ pub fn loosen(settings: &mut Settings, mesh: &Mesh, sets: &NodeSets<'_>, nodes: 
         held.extend(tie.partners());
     }
     held.extend(settings.loads.motions.iter().flat_map(|motion| &motion.nodes));
+    held.extend(settings.loads.forces.iter().flat_map(|load| &load.nodes));
+    held.extend(settings.walls.iter().filter_map(|wall| wall.nodes.as_ref()).flatten());
+    let mut seen: HashSet<NodeId> = HashSet::new();
+    let of_paths = settings.belts.paths.iter().flat_map(|path| &path.nodes);
+    held.extend(of_paths.filter(|node| !seen.insert(**node)));
     held.extend(settings.belts.rings.iter().map(|ring| ring.node));
     held.extend(settings.belts.retractors.iter().map(|retractor| retractor.node));
     let ends = settings.belts.paths.iter().flat_map(|path| {
