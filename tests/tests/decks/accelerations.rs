@@ -36,6 +36,11 @@ fn gravity_acts_on_the_parts_of_its_nodes() {
                   *NODE\n17,30,0,12\n18,30,10,12\n*ELEMENT_SHELL\n3,3,13,17,18,16\n";
     let all = said(&with(&gravity("_SET_NODE", "9,0,5", shared)));
     assert!(all.contains("2 of its nodes belong to other parts, too"), "{all}");
+    let words = "masses of nodes have no gravity by it";
+    assert!(!all.contains(words), "{all}");
+    let heavy = format!("{plate}*ELEMENT_MASS\n1,11,0.5\n");
+    let all = said(&with(&gravity("_SET_NODE", "9,0,5", &heavy)));
+    assert!(all.contains(words), "{all}");
 }
 
 /// Some nodes of a part, and a rotating frame, are refused.

@@ -30,7 +30,7 @@ fn a_material_of_the_format_has_its_values() {
     let report = reading(&text_of("/MAT/PLAS_PREDEF/1\n=steel\n=GOLD"), &[]).err();
     let report = report.expect("a report");
     assert!(report.contains("there is no material `GOLD`") && report.contains("UHSS"), "{report}");
-    assert_eq!(report.matches("error:").count(), 1, "{report}");
+    assert!(report.contains("1 error: nothing was run"), "{report}");
 }
 
 /// Localized necking is for shells: without any, it has no effect.

@@ -26,7 +26,7 @@ pub(super) enum GravityOf {
 }
 
 impl DeckConverter {
-    /// Converts all of these keywords, in the order of the deck.
+    /// Converts all of these keywords.
     pub(super) fn accelerations(&mut self) {
         for (keyword, field) in KEYWORDS {
             for record in self.take_records(keyword) {
@@ -78,8 +78,16 @@ impl DeckConverter {
         self.add("gravity", table.with("curve", at, curve));
     }
 
-    /// Warns of nodes of parts with gravity that parts without it have too.
+    /// Warns of masses that gravity of parts does not act on: of nodes that other parts have too,
+    /// and those that cards give to nodes.
     pub(super) fn warn_of_shared(&mut self, record: &CardRecord, field: &str, shared: usize) {
+        let is_mass = |name: &str| name.starts_with("ELEMENT_MASS") || name == "/ADMAS";
+        if self.read.iter().any(|card| is_mass(card.row.keyword.name)) {
+            let message = format!("{}: masses of nodes have no gravity by it", record.name());
+            let help = "it acts on the elements of its parts: name all nodes of the model for \
+                        gravity on all masses";
+            self.trouble.warning(record.place(field), message, help);
+        }
         if shared > 0 {
             let message = format!(
                 "{}: {shared} of its nodes belong to other parts, too, whose masses there have no \

@@ -287,17 +287,15 @@ impl DeckConverter {
             let members = self.node_sets[&nsid].0.clone();
             self.nodal_inertia(&record, (&set, &members), &mut table);
             self.put_added_inertia(&members, &mut table);
-            let mut fixed = held;
-            if record.has("SPC") {
-                fixed.extend(self.held_centre(&record));
-            }
+            let mut fixed = match record.has("SPC") {
+                true => self.held_centre(&record),
+                false => Vec::new(),
+            };
+            let more: Vec<&str> = held.into_iter().filter(|dof| !fixed.contains(dof)).collect();
+            fixed.extend(more);
             if !fixed.is_empty() {
-                let fixed: Vec<&str> = fixed.into_iter().collect();
-                table.put(
-                    "fixed",
-                    record.place(if record.has("SPC") { "cmo" } else { "pid" }),
-                    fixed,
-                );
+                let field = if record.has("SPC") { "cmo" } else { "pid" };
+                table.put("fixed", record.place(field), fixed);
             }
             entries.iter_mut().for_each(|own| own.put(&mut table, |of| of == pid));
             self.add("rigid", table);

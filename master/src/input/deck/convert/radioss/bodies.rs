@@ -18,6 +18,8 @@ pub struct StarterBody {
     pub name: String,
     /// Nodes of its group, and the main node if elements have it.
     pub nodes: BTreeSet<NodeId>,
+    /// Those without the nodes of inner bodies: they carry the mass of the main node.
+    pub own: BTreeSet<NodeId>,
     /// Degrees of freedom that are fixed.
     fixed: BTreeSet<&'static str>,
     /// Place of the keyword.
@@ -73,6 +75,7 @@ impl StarterConverter {
             let place = record.head;
             let body = StarterBody {
                 name,
+                own: nodes.clone(),
                 nodes,
                 fixed,
                 place,
@@ -216,7 +219,7 @@ impl StarterConverter {
         let mut masses = Vec::new();
         for body in self.inner_bodies.values().chain(bodies.iter().copied()) {
             if body.mass > 0.0 {
-                masses.push((body.name.clone(), body.nodes.clone(), body.mass, body.place));
+                masses.push((body.name.clone(), body.own.clone(), body.mass, body.place));
             }
         }
         for body in bodies {

@@ -15,7 +15,9 @@ impl StarterConverter {
             let Some(whole) = self.mains.get_mut(&outer) else { return };
             whole.nodes.extend(&body.nodes);
             let used = &self.used;
-            whole.nodes.retain(|n| used.contains(n) || ![inner, outer].contains(n));
+            for nodes in [&mut whole.nodes, &mut whole.own] {
+                nodes.retain(|n| used.contains(n) || ![inner, outer].contains(n));
+            }
             let walls = match (whole.in_walls, body.in_walls) {
                 (true, false) | (false, true) => ", and walls stop all its nodes",
                 _ => "",

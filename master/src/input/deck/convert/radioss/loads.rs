@@ -236,7 +236,7 @@ impl StarterConverter {
     fn mass_of_main(&mut self, node: NodeId, mass: f64, place: Place) -> bool {
         let body = self.mains.get(&node).or_else(|| self.inner_bodies.get(&node));
         let Some(body) = body.filter(|_| !self.used.contains(&node)) else { return false };
-        let (name, nodes) = (body.name.clone(), body.nodes.iter().copied().collect());
+        let (name, nodes) = (body.name.clone(), body.own.iter().copied().collect());
         let set = self.deck.rows.add_new_set(&format!("{name} mass"), nodes, place);
         self.put_mass(place, set, mass);
         let asked = format!("/ADMAS: mass {mass} of its main node");
