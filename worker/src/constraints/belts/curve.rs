@@ -36,9 +36,11 @@ impl TensionCurve {
         force.max(0.0)
     }
 
-    /// Returns the way from which loading has a tension, at least that of the first point.
+    /// Returns the way at which loading first has a tension: the first point for any tension up to
+    /// its own, the last one for a tension that loading never has.
     pub fn way_at(&self, tension: f64) -> f64 {
-        self.loading.first_at(tension).max(self.loading.points()[0][0])
+        let [start, first] = self.loading.points()[0];
+        if tension <= first { start } else { self.loading.first_at(tension).max(start) }
     }
 
     /// Returns the tension at the first point [force].
@@ -74,6 +76,6 @@ mod tests {
         let elastic = TensionCurve::new(&[[0.0, 0.3], [1.0, 0.3]], &[], 0.0);
         assert_eq!([-1.0, 0.0, 2.0].map(|way| elastic.at(way, 2.0)), [0.3; 3]);
         // A tension that loading never has is beyond its last point.
-        assert_eq!([elastic.way_at(0.2), elastic.way_at(0.7)], [0.0, 1.0]);
+        assert_eq!([0.2, 0.3, 0.7].map(|tension| elastic.way_at(tension)), [0.0, 0.0, 1.0]);
     }
 }
