@@ -32,7 +32,7 @@ impl StarterConverter {
             .with("density", record.place("rho"), record.real("rho"))
             .with("youngs_modulus", record.place("e11"), first)
             .with("youngs_modulus_b", record.place("e22"), second)
-            // The ratio along the first yarns in tension along the second ones.
+            // In a job it is the contraction along the first yarns due to tension along the others.
             .with("poisson", record.place("nu12"), nu * second / first)
             .with("shear_modulus", record.place("g12"), record.real("g12"));
         let of = format!("material {}", record.integer("id"));
