@@ -64,9 +64,10 @@ fn a_report_shows_the_line_and_underlines_the_key() {
     assert_eq!(head, "error: unknown key `safety`\n");
     let (_, rest) = rest.split_once("bad/wrong_section.toml").unwrap();
     let keys = "adaptivity, airbag, belts, checkpoint, contact, curve, damping, elements, \
-                end_time, fix, gravity, include, initial_velocity, joint, load, mass, material, \
-                mesh, motion, non_reflecting, output, parallel, part, placeholders, pressure, \
-                require, restart, rigid, scene, set, symmetry, tie, time, title, units, wall";
+                end_time, failure_group, fix, gravity, include, initial_velocity, joint, load, \
+                mass, material, mesh, motion, non_reflecting, output, parallel, part, \
+                placeholders, pressure, require, restart, rigid, scene, set, symmetry, tie, time, \
+                title, units, wall";
     let expected = format!(
         ":8:1\n  |\n8 | safety = 0.8\n  | ^^^^^^\n  \
          = help: `safety` belongs in [time]; keys here: {keys}\n\n\

@@ -320,7 +320,11 @@ impl History {
         let least = if self.subcycled { 1.0 } else { LEAST_SHARE };
         let came_in = came_in.max(least * self.course.most_came_in);
         let error = relative_error(sum.energies.balance(initial), came_in);
-        let there = sum.energies.supplied(initial).max(sum.energies.internal);
+        let there = sum
+            .energies
+            .supplied(initial)
+            .max(sum.energies.internal)
+            .max(LEAST_SHARE * self.course.most_came_in);
         let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };
         self.course.worst_error = self.course.worst_error.max(error.abs());
         self.course.penetration = self.course.penetration.max(sum.penetration);

@@ -128,7 +128,7 @@ const HISTORY: [&str; 4] = ["plastic_strain", "void_fraction_rise", "failed", SI
 const MOST_VOIDS: f64 = 0.99;
 
 /// Void fraction at failure.
-enum Failure {
+enum VoidFailure {
     None,
     At(f64),
     BySize(RampCurve),
@@ -136,7 +136,7 @@ enum Failure {
 
 /// Behaviour of voids in compression.
 #[derive(Clone, Copy)]
-enum Compression {
+enum VoidClosing {
     /// They become smaller, down to this rise of the void fraction.
     Closes(f64),
     /// They keep their size.
@@ -149,8 +149,8 @@ struct Gurson {
     surface: VoidSurface,
     voids: f64,
     nucleation: Option<Nucleation>,
-    failure: Failure,
-    compression: Compression,
+    failure: VoidFailure,
+    compression: VoidClosing,
     failed_points: FailedPoints,
 }
 
@@ -213,14 +213,14 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Gurson, Vec<
         voids,
         nucleation,
         failure: match (at, by_size) {
-            (_, Some(rows)) => Failure::BySize(RampCurve::new(&rows, 1.0, Beyond::Constant)),
-            (Some(at), None) => Failure::At(at),
-            (None, None) => Failure::None,
+            (_, Some(rows)) => VoidFailure::BySize(RampCurve::new(&rows, 1.0, Beyond::Constant)),
+            (Some(at), None) => VoidFailure::At(at),
+            (None, None) => VoidFailure::None,
         },
         compression: if grows {
-            Compression::Holds
+            VoidClosing::Holds
         } else {
-            Compression::Closes(if closes { -voids } else { 0.0 })
+            VoidClosing::Closes(if closes { -voids } else { 0.0 })
         },
         failed_points,
     })
@@ -269,15 +269,15 @@ fn nucleation(parameters: &mut Parameters<'_>) -> Option<Nucleation> {
 
 impl Gurson {
     fn columns(&self) -> usize {
-        if matches!(self.failure, Failure::BySize(_)) { SIZE + 1 } else { SIZE }
+        if matches!(self.failure, VoidFailure::BySize(_)) { SIZE + 1 } else { SIZE }
     }
 
     /// Returns the void fraction of a point that fails.
     fn failure_fraction(&self, size: f64) -> f64 {
         match &self.failure {
-            Failure::None => f64::INFINITY,
-            Failure::At(fraction) => *fraction,
-            Failure::BySize(curve) => curve.at(size)[0],
+            VoidFailure::None => f64::INFINITY,
+            VoidFailure::At(fraction) => *fraction,
+            VoidFailure::BySize(curve) => curve.at(size)[0],
         }
     }
 
@@ -307,8 +307,8 @@ impl Gurson {
         let strain = flow.multiplier / (1.0 - voids);
         let grown = (1.0 - voids) * flow.volume;
         let rise = match self.compression {
-            Compression::Holds => state.rise + grown.max(0.0),
-            Compression::Closes(least) => (state.rise + grown).max(least),
+            VoidClosing::Holds => state.rise + grown.max(0.0),
+            VoidClosing::Closes(least) => (state.rise + grown).max(least),
         };
         let [_, mean] = space.invariants(flow.stress);
         let formed = match &self.nucleation {
@@ -408,8 +408,8 @@ impl Gurson {
         lanes: &impl Fn(&[f64; LANES32]) -> R,
         mut one: impl FnMut(&[f64; N], &mut VoidState, usize),
     ) {
-        let mut kept = [[0.0; LANES32]; SIZE];
-        for lane in 0..count {
+        let mut kept = [[0.0; SIZE]; LANES32];
+        for (lane, kept) in kept.iter_mut().enumerate().take(count) {
             let trial: [f64; N] = std::array::from_fn(|k| stress[k].lane(lane));
             let mut state = VoidState {
                 strain: history[STRAIN].lane(lane),
@@ -420,11 +420,11 @@ impl Gurson {
             if state.failed < 0.5 && trial != [0.0; N] {
                 one(&trial, &mut state, lane);
             }
-            (kept[STRAIN][lane], kept[RISE][lane]) = (state.strain, state.rise);
-            kept[FAILED][lane] = state.failed;
+            (kept[STRAIN], kept[RISE]) = (state.strain, state.rise);
+            kept[FAILED] = state.failed;
         }
-        for (column, kept) in history.iter_mut().zip(&kept) {
-            *column = lanes(kept);
+        for (k, column) in history.iter_mut().enumerate().take(SIZE) {
+            *column = lanes(&kept.map(|of_lane| of_lane[k]));
         }
     }
 

@@ -128,7 +128,10 @@ impl DeckConverter {
                         e = if given > 0.0 { given } else { NO_MODULUS };
                         table.put("youngs_modulus", record.place("ym"), e);
                     }
-                    "MAT_SPOTWELD" => weld = self.spot_weld(&record, &mut table),
+                    "MAT_SPOTWELD" => {
+                        weld = self.spot_weld(&record, &mut table);
+                        self.check_weld_directions(&record);
+                    }
                     FAILING_WELD => weld = self.failing_weld(&record, &mut table),
                     _ if is_cohesive => {
                         cohesive = Some(self.cohesive(keyword, &record, &mut table));
@@ -418,6 +421,16 @@ impl DeckConverter {
         if !unused.is_empty() {
             self.map(format!("material {}", record.integer("mid")), unused.join(", "), "not used");
         }
+        for field in ["nrr", "nrs", "mss", "mrr"].iter().filter(|f| record.real(f) < 0.0) {
+            self.unsupported_value(record, field, "limits as curves over the rate");
+        }
+        let limits = ["nrr", "nrs", "mss", "mrr"].map(|field| record.real(field).max(0.0));
+        let given = limits.iter().any(|&limit| limit > 0.0);
+        given.then_some((WeldLimits::Forces(limits), record.place("nrr")))
+    }
+
+    /// Checks that limits of welds are the same in both directions across.
+    pub(super) fn check_weld_directions(&mut self, record: &CardRecord) {
         for (one, other) in [("nrs", "nrt"), ("mss", "mtt")] {
             if record.real(one) != record.real(other) {
                 self.unsupported_value(
@@ -427,12 +440,6 @@ impl DeckConverter {
                 );
             }
         }
-        for field in ["nrr", "nrs", "mss", "mrr"].iter().filter(|f| record.real(f) < 0.0) {
-            self.unsupported_value(record, field, "limits as curves over the rate");
-        }
-        let limits = ["nrr", "nrs", "mss", "mrr"].map(|field| record.real(field).max(0.0));
-        let given = limits.iter().any(|&limit| limit > 0.0);
-        given.then_some((WeldLimits::Forces(limits), record.place("nrr")))
     }
 
     /// Returns the degrees of freedom that a rigid material fixes.

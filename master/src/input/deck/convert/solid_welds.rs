@@ -55,7 +55,10 @@ impl DeckConverter {
         }
         let place = record.place("nrr");
         match record.real("opt") {
-            0.0 => weld,
+            0.0 => {
+                self.check_weld_directions(record);
+                weld
+            }
             1.0 => {
                 let limits = ["nrr", "nrs"].map(|field| record.real(field).max(0.0));
                 let given = limits.iter().any(|&limit| limit > 0.0);

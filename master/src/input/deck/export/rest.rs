@@ -54,6 +54,7 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
         }
     }
     list(deck, "non_reflecting", &job.non_reflecting);
+    list(deck, "failure_group", &job.failure_group);
     list(deck, "require", &job.require);
     if !job.placeholders.is_empty() {
         deck.note("placeholders", LeftReason::Lost, job.placeholders.len());

@@ -400,6 +400,7 @@ impl StarterWriter<'_> {
         list(deck, "symmetry", &job.symmetry);
         list(deck, "airbag", &job.airbag);
         list(deck, "non_reflecting", &job.non_reflecting);
+        list(deck, "failure_group", &job.failure_group);
         list(deck, "damping", &job.damping);
         list(deck, "require", &job.require);
         let referring = ["pressure", "airbag", "load", "motion", "wall"];

@@ -12,14 +12,14 @@ use std::collections::BTreeMap;
 /// Largest R_E that is no compression.
 const NO_COMPRESSION: f64 = 0.01;
 
-/// Axes of a material: reference vector and angle [degrees], with the place of the vector.
-type Axes = ([f64; 3], f64, Place);
+/// YarnAxes of a material: reference vector and angle [degrees], with the place of the vector.
+type YarnAxes = ([f64; 3], f64, Place);
 
 /// Fabrics of a deck.
 #[derive(Debug, Default)]
 pub struct Fabrics {
-    /// Axes by the id of the material; `None` before a part has them.
-    axes: BTreeMap<i64, Option<Axes>>,
+    /// YarnAxes by the id of the material; `None` before a part has them.
+    axes: BTreeMap<i64, Option<YarnAxes>>,
 }
 
 impl StarterConverter {
