@@ -44,9 +44,9 @@ pub struct HistoryRow {
     pub sum: HistoryPart,
     /// Energy error as a fraction of the energy supplied.
     pub error: f64,
-    /// Energy of velocity oscillations from step to step, as a fraction of the energy supplied
-    /// or of the internal energy if that is larger. An unstable step keeps the energy balance, but
-    /// oscillates.
+    /// Energy of velocity oscillations from step to step, as a fraction of the energy supplied,
+    /// of the internal energy, or of the largest energy supplied so far if that is larger. An
+    /// unstable step keeps the energy balance, but oscillates.
     pub swing: f64,
     /// Energy created by contact, as a fraction of the largest energy so far. Contact stores and
     /// dissipates energy, so the work of its forces on the nodes so far, friction included, is
@@ -320,11 +320,8 @@ impl History {
         let least = if self.subcycled { 1.0 } else { LEAST_SHARE };
         let came_in = came_in.max(least * self.course.most_came_in);
         let error = relative_error(sum.energies.balance(initial), came_in);
-        let there = sum
-            .energies
-            .supplied(initial)
-            .max(sum.energies.internal)
-            .max(LEAST_SHARE * self.course.most_came_in);
+        let there =
+            sum.energies.supplied(initial).max(sum.energies.internal).max(self.course.most_came_in);
         let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };
         self.course.worst_error = self.course.worst_error.max(error.abs());
         self.course.penetration = self.course.penetration.max(sum.penetration);

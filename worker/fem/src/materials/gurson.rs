@@ -22,7 +22,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-use self::flow::{Flow, Plane, Space, StressSpace, Yielding};
+use self::flow::{PlaneSpace, SolidSpace, StressSpace, VoidFlow, Yielding};
 use self::surface::{Nucleation, VoidSurface};
 use super::failed_points::FailedPoints;
 use super::hardening::{HARDENING, Hardening};
@@ -288,7 +288,7 @@ impl Gurson {
         space: &impl StressSpace,
         trial: [f64; 3],
         state: &mut VoidState,
-    ) -> Option<Flow> {
+    ) -> Option<VoidFlow> {
         let failure = self.failure_fraction(state.size);
         let voids = self.voids + state.rise;
         let weakening = self.surface.weakening(voids, failure);
@@ -332,7 +332,7 @@ impl Gurson {
         lanes: impl Fn(&[f64; LANES32]) -> R,
     ) {
         const STRESS: usize = 3;
-        let plane = Plane { elastic: self.elastic.plane_stress() };
+        let plane = PlaneSpace { elastic: self.elastic.plane_stress() };
         let [c11, c12, g] = plane.elastic.map(R::splat);
         let Elastic { youngs_modulus, poisson, .. } = self.elastic;
         let across = R::splat(-poisson / youngs_modulus);
@@ -368,7 +368,7 @@ impl Gurson {
     ) -> R {
         const STRESS: usize = 6;
         let (lame, g) = (self.elastic.lame(), self.elastic.shear_modulus());
-        let space = Space { three_g: 3.0 * g, bulk: self.elastic.bulk_modulus() };
+        let space = SolidSpace { three_g: 3.0 * g, bulk: self.elastic.bulk_modulus() };
         let (lame, g) = (R::splat(lame), R::splat(g));
         let eps = point.strain;
         let pressure = lame * (eps[0] + eps[1] + eps[2]);

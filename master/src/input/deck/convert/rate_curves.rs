@@ -7,13 +7,13 @@ use super::DeckConverter;
 use super::materials::hardening_curve;
 use crate::input::deck::BEYOND_ALL_STRAINS;
 
-/// Points [plastic strain, stress].
-type Points = Vec<[f64; 2]>;
+/// RatePoints [plastic strain, stress].
+type RatePoints = Vec<[f64; 2]>;
 
 /// A curve that continues beyond its last given point.
 #[derive(Clone, Debug, PartialEq)]
 struct RateCurve {
-    points: Points,
+    points: RatePoints,
     /// Last plastic strain that is given.
     end: f64,
 }
@@ -21,8 +21,8 @@ struct RateCurve {
 impl DeckConverter {
     /// Returns the rows [rate, plastic strain, stress] of curves in ascending order of their rates;
     /// `of` names the material.
-    pub(super) fn rate_rows(&mut self, of: &str, curves: Vec<(f64, Points)>) -> Vec<Vec<f64>> {
-        let (rates, given): (Vec<f64>, Vec<Points>) = curves.into_iter().unzip();
+    pub(super) fn rate_rows(&mut self, of: &str, curves: Vec<(f64, RatePoints)>) -> Vec<Vec<f64>> {
+        let (rates, given): (Vec<f64>, Vec<RatePoints>) = curves.into_iter().unzip();
         let (continued, has_changed) = continued(given);
         if has_changed {
             let asked = "curves by the strain rate that cross beyond their last points";
@@ -37,8 +37,8 @@ impl DeckConverter {
 
 /// Continues curves beyond their last points. Returns true if one of them does not simply go on
 /// with its last slope.
-fn continued(given: Vec<Points>) -> (Vec<Points>, bool) {
-    let curve = |points: Points| {
+fn continued(given: Vec<RatePoints>) -> (Vec<RatePoints>, bool) {
+    let curve = |points: RatePoints| {
         let end = points.last().map_or(0.0, |last| last[0]);
         RateCurve { points: hardening_curve(points), end }
     };
@@ -124,9 +124,9 @@ mod tests {
     use super::*;
 
     /// Largest amount by which the curve of a rate is below the one before it.
-    fn worst(curves: &[Points]) -> f64 {
+    fn worst(curves: &[RatePoints]) -> f64 {
         let strains: Vec<f64> = (0..=1000).map(|k| f64::from(k) * 0.01).collect();
-        let fall = |two: &[Points], x: f64| at(&two[0], x) - at(&two[1], x);
+        let fall = |two: &[RatePoints], x: f64| at(&two[0], x) - at(&two[1], x);
         let falls = curves.windows(2).flat_map(|two| strains.iter().map(move |&x| fall(two, x)));
         falls.fold(f64::NEG_INFINITY, f64::max)
     }

@@ -20,7 +20,7 @@ const LEAST_GAIN: f64 = 0.9;
 const SAME_DIRECTION: f64 = 1e-10;
 
 /// Result of a return.
-pub struct Flow {
+pub struct VoidFlow {
     /// Stress on the surface, in the components of its space [force/length^2].
     pub stress: [f64; 3],
     /// Multiplier, `(1 - f) de`.
@@ -42,14 +42,14 @@ pub trait StressSpace {
 }
 
 /// Stress of a solid: von Mises stress and mean stress; the deviator keeps its direction.
-pub struct Space {
+pub struct SolidSpace {
     /// Three times the shear modulus [force/length^2].
     pub three_g: f64,
     /// Bulk modulus [force/length^2].
     pub bulk: f64,
 }
 
-impl StressSpace for Space {
+impl StressSpace for SolidSpace {
     fn invariants(&self, [mises, mean, _]: [f64; 3]) -> [f64; 2] {
         [mises.max(0.0), mean]
     }
@@ -62,12 +62,12 @@ impl StressSpace for Space {
 }
 
 /// Stress of a sheet: xx, yy, xy. Strains have twice the component xy.
-pub struct Plane {
+pub struct PlaneSpace {
     /// c11, c12, G [force/length^2].
     pub elastic: [f64; 3],
 }
 
-impl StressSpace for Plane {
+impl StressSpace for PlaneSpace {
     fn invariants(&self, [x, y, xy]: [f64; 3]) -> [f64; 2] {
         [(x * x - x * y + y * y + 3.0 * xy * xy).sqrt(), (x + y) / 3.0]
     }
@@ -105,7 +105,7 @@ fn product(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 impl Yielding<'_> {
     /// Returns the flow of a trial stress outside of the surface.
-    pub fn flow(&self, space: &impl StressSpace, trial: [f64; 3]) -> Flow {
+    pub fn flow(&self, space: &impl StressSpace, trial: [f64; 3]) -> VoidFlow {
         let first = self.cutting_planes(space, trial);
         let limit = self.hardening.at(self.strain)[0];
         let same = SAME_DIRECTION * limit;
@@ -141,8 +141,8 @@ impl Yielding<'_> {
 
     /// Returns the flow by the cutting-plane method. If it does not reach the surface, all stress
     /// is reduced to it in proportion: the equivalent stress is homogeneous.
-    fn cutting_planes(&self, space: &impl StressSpace, trial: [f64; 3]) -> Flow {
-        let mut flow = Flow { stress: trial, multiplier: 0.0, volume: 0.0, thickness: 0.0 };
+    fn cutting_planes(&self, space: &impl StressSpace, trial: [f64; 3]) -> VoidFlow {
+        let mut flow = VoidFlow { stress: trial, multiplier: 0.0, volume: 0.0, thickness: 0.0 };
         for step in 0..=STEPS {
             let now = self.equivalent(space, flow.stress);
             let [off, limit, modulus] = self.excess(now.stress, flow.multiplier);
@@ -173,7 +173,7 @@ impl Yielding<'_> {
         trial: [f64; 3],
         end: [f64; 3],
         mut multiplier: f64,
-    ) -> Option<Flow> {
+    ) -> Option<VoidFlow> {
         let gradient = self.equivalent(space, end);
         let (direction, through) = space.direction(end, gradient);
         let along = space.stress_of(direction);
@@ -182,7 +182,7 @@ impl Yielding<'_> {
             let now = self.equivalent(space, stress);
             let [off, limit, modulus] = self.excess(now.stress, multiplier);
             if off.abs() <= TOLERANCE * limit {
-                return Some(Flow {
+                return Some(VoidFlow {
                     stress,
                     multiplier,
                     volume: gradient.of_mean * multiplier,
