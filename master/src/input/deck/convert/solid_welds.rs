@@ -145,7 +145,7 @@ impl DeckConverter {
             let id = record.integer("id_sw");
             let mut solids = Vec::new();
             for line in record.lines("eid") {
-                for (eid, place) in line.integers("eid").into_iter().filter(|eid| eid.0 != 0) {
+                for (eid, place) in line.integers("eid").filter(|eid| eid.0 != 0) {
                     let raised = u64::try_from(eid).map(|eid| eid + self.rows.raised[0]);
                     match raised.ok().and_then(|eid| at.get(&eid)) {
                         Some(&solid) => solids.push(solid),
