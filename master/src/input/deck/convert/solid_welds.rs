@@ -3,6 +3,7 @@
 
 use super::DeckConverter;
 use super::materials::DeckMaterial;
+use super::space::cross;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
@@ -249,8 +250,7 @@ impl DeckConverter {
         let [a, b, c, d] = x[..] else { return None };
         let side =
             |from: [f64; 3], to: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| to[i] - from[i]) };
-        let [[px, py, pz], [qx, qy, qz]] = [side(a, c), side(b, d)];
-        let normal = [py * qz - pz * qy, pz * qx - px * qz, px * qy - py * qx];
+        let normal = cross(side(a, c), side(b, d));
         Some(0.5 * normal.iter().map(|n| n * n).sum::<f64>().sqrt())
     }
 }
