@@ -161,6 +161,12 @@ fn relative_error(balance: f64, came_in: f64) -> f64 {
 /// Energy supplied, as a fraction of the largest so far, below which the error of the balance is
 /// that of what has gone through the model: a tool that stops gives its energy back.
 const LEAST_SHARE: f64 = 1e-3;
+/// Returns the energy by which the error of the balance is divided, from the energy that came in
+/// and its largest value so far [energy].
+fn divisor(came_in: f64, most: f64, subcycled: bool) -> f64 {
+    came_in.max(if subcycled { most } else { LEAST_SHARE * most })
+}
+
 /// Fraction of the energy in oscillations that a step above the stability limit soon reaches and
 /// keeps. A stable step may reach it too: for a few cycles when a coarse bar rebounds from a
 /// wall, or longer when the model hardly moves.
@@ -317,9 +323,8 @@ impl History {
         let initial = self.course.first.as_ref().map_or(&sum, |f| &f.sum).energies.balance(0.0);
         let came_in = initial.max(sum.energies.external.abs()).max(sum.energies.internal.abs());
         self.course.most_came_in = self.course.most_came_in.max(came_in);
-        let least = if self.subcycled { 1.0 } else { LEAST_SHARE };
-        let came_in = came_in.max(least * self.course.most_came_in);
-        let error = relative_error(sum.energies.balance(initial), came_in);
+        let divisor = divisor(came_in, self.course.most_came_in, self.subcycled);
+        let error = relative_error(sum.energies.balance(initial), divisor);
         let there =
             sum.energies.supplied(initial).max(sum.energies.internal).max(self.course.most_came_in);
         let swing = if there > 0.0 { sum.energies.swing / there } else { 0.0 };
@@ -441,6 +446,15 @@ mod tests {
             [0.0, 10.0].map(|came_in| relative_error(f64::NAN, came_in)),
             [f64::INFINITY; 2]
         );
+    }
+
+    /// Round-off of energy that a tool gave back is no error; a hundredth of that energy is one.
+    #[test]
+    fn a_tool_that_rests_hides_no_gain_of_energy() {
+        let rest = divisor(0.0, 10.0, false);
+        assert_eq!([rest, divisor(5.0, 10.0, false), divisor(5.0, 10.0, true)], [0.01, 5.0, 10.0]);
+        assert!(relative_error(1e-11, rest) < 1e-8);
+        assert!(relative_error(0.1, rest) > 1.0);
     }
 
     /// Rows with these energies in oscillations, one each ten cycles.
