@@ -163,3 +163,68 @@ fn a_torn_plate_has_one_digest() {
     }
     assert_same_when_written(&text, until, "*MAT_ADD_DAMAGE_GISSMO");
 }
+
+/// Damage from an onset on: keys by the criteria, with their curves.
+#[test]
+fn criteria_of_onset_become_parameters() {
+    let card = "*MAT_ADD_DAMAGE_DIEM\n1,3,0,,-50\n0,31,,,1\n0,0,0.2\n1,32,0.3\n1,1,0.05\n4,33,0.1\n\
+                0,1,0.0\n";
+    let model = model_of(&deck(card));
+    for (key, value) in [
+        ("diem_ductile", "[[0.0, 0.5], [0.33, 0.3], [0.66, 0.4]]"),
+        ("diem_ductile_displacement", "0.2"),
+        ("diem_ductile_multiplied", ""),
+        ("diem_shear", "[[0.0, 0.2], [0.66, 0.1]]"),
+        ("diem_shear_pressure", "0.3"),
+        ("diem_shear_displacement", ""),
+        ("diem_shear_energy", "0.05"),
+        ("diem_shear_multiplied", "true"),
+        ("diem_principal", "[[1.0, 1.0], [20.0, 0.6]]"),
+        ("diem_principal_pressure", "0.1"),
+        ("diem_principal_displacement", "0.0"),
+        ("diem_failed_points", "-50.0"),
+    ] {
+        assert_eq!(parameter(&model, key), value, "{key}");
+    }
+    // The next criterion is not read.
+    let one = model_of(&deck(&card.replace("1,3,0,", "1,1,0,")));
+    assert_eq!(parameter(&one, "diem_shear"), "");
+}
+
+/// In a file with other units and an offset of curves, ids, displacements and energies change.
+#[test]
+fn criteria_of_onset_have_the_units_of_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, own) = (folder.path().join("deck.k"), folder.path().join("own.k"));
+    let card = "*MAT_ADD_DAMAGE_DIEM\n1,2\n0,31\n0,0,0.2\n1,32\n1,0,0.05\n";
+    // All curves of a file with other units have a use.
+    let curves = CURVES.split("*DEFINE_CURVE\n33").next().expect("curves");
+    fs::write(&own, format!("*KEYWORD\n{METAL}{card}{curves}*END\n")).unwrap();
+    // Lengths in the file are 10 times those of the deck, masses twice.
+    let include = "*INCLUDE_TRANSFORM\nown.k\n0,0,0,0,0,500\n\n2.0,1.0,10.0\n\n";
+    fs::write(&path, format!("{BASE}{MOVES}{include}*END\n")).unwrap();
+    let model = crumple::input::job::read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+    assert_eq!(parameter(&model, "diem_ductile_displacement"), "2.0");
+    assert_eq!(parameter(&model, "diem_shear_energy"), "0.1");
+    assert_eq!(parameter(&model, "diem_shear"), "[[0.0, 0.2], [0.66, 0.1]]");
+}
+
+#[test]
+fn criteria_of_onset_that_are_not_supported_are_refused() {
+    let head = "*MAT_ADD_DAMAGE_DIEM\n1,1";
+    let gissmo = "*MAT_ADD_DAMAGE_GISSMO\n1,,1\n31,,,0.3\n";
+    for (card, words) in [
+        (format!("{head}\n2,31\n0,0,0.2\n"), "`dityp` = 2 is not supported: criteria of thin"),
+        (format!("{head}\n0,31,,,,33\n0,0,0.2\n"), "`p5` = 33"),
+        (format!("{head}\n0,31\n0,0,0.2,,0.5,33\n"), "`q4` = 33"),
+        (format!("{head}\n0,31\n0,0,-3\n"), "`q1` = -3"),
+        (format!("{head}\n0,31\n0,-1,0.2\n"), "`dctyp` = -1"),
+        (format!("{head}\n0,99\n0,0,0.2\n"), "no *DEFINE_CURVE with the id 99"),
+        ("*MAT_ADD_DAMAGE_DIEM\n1,2\n0,31\n0,0,0.2\n0,32\n0,0,0.2\n".into(), "give each one once"),
+        ("*MAT_ADD_DAMAGE_DIEM\n1,3\n0,31\n0,0,0.2\n".into(), "give 1 to 5 criteria"),
+        ("*MAT_ADD_DAMAGE_DIEM\n7,1\n0,31\n0,0,0.2\n".into(), "no *MAT_... with the id 7"),
+        (format!("{gissmo}{head}\n0,31\n0,0,0.2\n"), "has damage by two cards"),
+    ] {
+        assert_refused(&deck(&card), &[words]);
+    }
+}

@@ -45,6 +45,7 @@ mod nastran_sets;
 mod non_reflecting;
 mod odd_files;
 mod particles;
+mod pressure_dependent;
 mod radioss;
 mod rate_curves;
 mod resting_tools;

@@ -223,6 +223,21 @@ const ROLES: &[(&str, &str)] = &[
          vgtyp=1",
     ),
     (
+        "MAT_ADD_DAMAGE_DIEM",
+        "ndiemc=1 dinit=1 deps=1 numfip=1 volfrac=1 dityp=1 p1=#f:1:1 p2=1 p3=1 p4=1 p5=#f:l:1 \
+         detyp=1 dctyp=1 q1=l q2=1 q3=1 q4=#f:l:1",
+    ),
+    (
+        "MAT_JOHNSON_HOLMQUIST_CERAMICS",
+        "ro=d g=p a=1 b=1 c=1 m=1 n=1 epsi=w t=p sfmax=1 hel=p phel=p beta=1 d1=1 d2=1 k1=p k2=p \
+         k3=p fs=1",
+    ),
+    (
+        "MAT_JOHNSON_HOLMQUIST_CONCRETE",
+        "ro=d g=p a=1 b=1 c=1 n=1 fc=p t=p eps0=w efmin=1 sfmax=1 pc=p uc=1 pl=p ul=1 d1=1 d2=1 \
+         k1=p k2=p k3=p fs=1",
+    ),
+    (
         "MAT_FABRIC",
         "ro=d ea=p eb=p prba=1 prab=1 gab=p cse=1 el=p prl=1 lratio=1 damp=1 aopt=1 form=1 a1=@d \
          a2=1 a3=1 v1=@d v2=1 v3=1 beta=1",

@@ -449,6 +449,10 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
             roles.insert("xc", FieldRole::Number([0, 1, 0])); // without a spin no centre moves
         }
     }
+    // The energy over an area, in place of a displacement.
+    if keyword == "MAT_ADD_DAMAGE_DIEM" && integer("detyp") == 1 {
+        roles.insert("q1", FieldRole::Number([1, 0, -2]));
+    }
     let is_volume = line.real("mass") < 0.0 || record.has("VOLUME");
     if keyword == "ELEMENT_SPH" && is_volume {
         roles.insert("mass", FieldRole::Number([0, 3, 0]));

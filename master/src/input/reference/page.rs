@@ -4,7 +4,7 @@ use super::{INLINE_SET, schema};
 use crumple_cases::GENERATORS;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{ELASTIC, EQUATION_OF_STATE, EROSION, GISSMO, LAWS};
+use crumple_worker::fem::materials::{DIEM, ELASTIC, EQUATION_OF_STATE, EROSION, GISSMO, LAWS};
 use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
 use serde_json::Value;
 use std::fmt::Write;
@@ -202,6 +202,8 @@ impl Page<'_> {
         self.parameters(EROSION);
         self.text += "\nLaws with plastic flow can have damage:\n\n";
         self.parameters(GISSMO);
+        self.text += "\nor damage from an onset on:\n\n";
+        self.parameters(DIEM);
         self.text += "\nMaterials of solids can have an equation of state:\n\n";
         self.parameters(EQUATION_OF_STATE);
         for law in LAWS.iter() {

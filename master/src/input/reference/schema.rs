@@ -12,7 +12,7 @@ use crumple_proto::mesh::Shape;
 use crumple_worker::contact::enforce::CONTACT_LAWS;
 use crumple_worker::contact::search::SEARCHES;
 use crumple_worker::fem::elements::ELEMENTS;
-use crumple_worker::fem::materials::{EQUATION_OF_STATE, EROSION, GISSMO, LAWS, Law};
+use crumple_worker::fem::materials::{DIEM, EQUATION_OF_STATE, EROSION, GISSMO, LAWS, Law};
 use crumple_worker::parallel::decomposition::BoxDecomposition;
 use crumple_worker::parameter::{DefaultValue, Form, ParameterRow};
 use schemars::JsonSchema;
@@ -230,7 +230,7 @@ fn words(property: &mut Value, allowed: impl Iterator<Item = &'static str>) {
 
 /// Returns the schema of the parameters of a law, for materials with this law.
 fn of_law(law: &Law) -> Value {
-    let common = || EROSION.iter().chain(GISSMO).chain(EQUATION_OF_STATE);
+    let common = || EROSION.iter().chain(GISSMO).chain(DIEM).chain(EQUATION_OF_STATE);
     let all = || law.constants.iter().chain(law.parameters).chain(common());
     let needed: Vec<&str> =
         all().filter(|p| p.otherwise == DefaultValue::Needed).map(|p| p.key).collect();

@@ -121,6 +121,26 @@ pub fn laws_of_solids() -> Vec<Material> {
         ("extension", Param::List(vec![0.66, 1.4, 0.16, 72.0])),
         ("cap", Param::List(vec![5.0, 0.09, 0.05, 0.25, 0.349])),
     ];
+    let ceramic = [
+        ("intact_strength", Param::List(vec![0.9, 0.6])),
+        ("fractured_strength", Param::List(vec![0.3, 0.7])),
+        ("rate", Param::List(vec![0.05, 1e-3])),
+        ("hugoniot_elastic_limit", Param::List(vec![5.0, 2.5])),
+        ("damage", Param::List(vec![0.5, 0.7])),
+        ("pressure", Param::List(vec![80.0, 20.0, 30.0])),
+    ];
+    let crushed = [
+        ("strength_constants", Param::List(vec![0.8, 1.6, 0.6])),
+        ("rate", Param::List(vec![0.05, 1e-3])),
+        ("crushing_point", Param::List(vec![0.02, 1.6])),
+        ("locking_point", Param::List(vec![0.1, 4.0])),
+        ("damage", Param::List(vec![0.5, 1.0])),
+        ("pressure", Param::List(vec![80.0, 20.0, 30.0])),
+    ];
+    let soil = [
+        ("yield_constants", Param::List(vec![1.0, 0.5, 0.1])),
+        ("pressure", table(&[[0.0, 0.0], [0.1, 2.0], [0.5, 30.0]])),
+    ];
     let failure = [("tension_failure_strain", 2.0), ("shear_failure_strain", 3.0)];
     let honeycomb = [
         ("moduli", Param::List(vec![80.0, 30.0, 20.0, 25.0, 15.0, 10.0])),
@@ -150,6 +170,21 @@ pub fn laws_of_solids() -> Vec<Material> {
             &[("compression", table(&curve))],
         ),
         of("cscm", &concrete, &surfaces),
+        of(
+            "johnson_holmquist_ceramic",
+            &[("shear_modulus", 40.0), ("tensile_strength", 3.0), ("bulking", 1.0)],
+            &ceramic,
+        ),
+        of(
+            "johnson_holmquist_concrete",
+            &[("shear_modulus", 40.0), ("tensile_strength", 3.0), ("compressive_strength", 2.0)],
+            &crushed,
+        ),
+        of(
+            "soil",
+            &[("shear_modulus", 40.0), ("bulk_modulus", 80.0), ("tension_cutoff", 2.0)],
+            &soil,
+        ),
         of(
             "fluid",
             &[("viscosity", 1e-3), ("eos_min_pressure", -0.5)],
@@ -271,6 +306,22 @@ pub fn laws() -> Vec<Material> {
                 ("gissmo_exponent", number(1.7)),
                 ("gissmo_fading_exponent", number(1.5)),
                 ("gissmo_size_factors", table(&[[0.5, 1.0], [2.0, 0.8]])),
+            ],
+        ),
+        steel(
+            "j2",
+            &[
+                ("yield_stress", number(YIELD)),
+                ("hardening_modulus", number(1.0)),
+                ("diem_ductile", table(&[[-0.3, 2.0], [0.0, 0.05], [0.6, 0.02]])),
+                ("diem_ductile_displacement", number(2.0)),
+                ("diem_shear", table(&[[1.0, 0.1], [2.0, 0.02]])),
+                ("diem_shear_energy", number(0.5)),
+                ("diem_shear_multiplied", Param::Flag(true)),
+                ("diem_principal", table(&[[0.5, 0.1], [1.5, 0.03]])),
+                ("diem_principal_pressure", number(0.3)),
+                ("diem_principal_displacement", number(1.5)),
+                ("diem_principal_multiplied", Param::Flag(true)),
             ],
         ),
     ];

@@ -10,6 +10,7 @@ mod cohesive;
 mod crushable_foam;
 mod cscm;
 mod damaged;
+mod diem;
 mod elastic;
 mod equation_of_state;
 mod erosion;
@@ -30,6 +31,7 @@ mod orthotropic;
 mod parameters;
 pub mod plasticity;
 mod polyline;
+mod pressure_dependent;
 mod rubber;
 pub(crate) mod tensor;
 mod viscoelastic;
@@ -38,6 +40,7 @@ mod wrapped;
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
 pub use axes::{DIRECTION, DIRECTION_COLUMNS, Orientation};
 pub use cohesive::{Cohesive, CohesiveLawResult, CohesivePoint};
+pub use diem::DIEM;
 pub use equation_of_state::{EQUATION_OF_STATE, Equation};
 pub use erosion::{EROSION, problems_of_welds, that_can_fail};
 pub use gissmo::{GISSMO, SIZE_COLUMN};
@@ -414,6 +417,9 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     low_density_foam::LAW,
     crushable_foam::LAW,
     cscm::LAW,
+    pressure_dependent::ceramic::LAW,
+    pressure_dependent::concrete::LAW,
+    pressure_dependent::soil::LAW,
     fabric::LAW,
     orthotropic::LAW,
     barlat::LAW,
@@ -440,17 +446,22 @@ pub fn build(material: &Material) -> LawResult {
         return Err(vec![Problem::error("law", message, help)]);
     }
     let (rest, damage) = gissmo::split(&rest)?;
+    let (rest, onset) = diem::split(&rest)?;
     let law = gissmo::shell(material, build(&rest)?, damage)?;
+    let law = diem::shell(material, law, onset)?;
     erosion::shell(material, law, limits)
 }
 
 /// Parameters that describe a sheet or its size: beams and trusses cannot have them.
-pub const OF_SHEETS: [&str; 5] = [
+pub const OF_SHEETS: [&str; 8] = [
     j2::LANKFORD,
     "erosion_thinning",
     "erosion_major_strain",
     "erosion_effective_strain",
     gissmo::SIZES,
+    "diem_ductile",
+    "diem_shear",
+    "diem_principal",
 ];
 
 /// Returns the elastic constants of a material for any element, `None` if it is one of cohesive
@@ -463,6 +474,7 @@ pub fn elastic_of(material: &Material) -> Result<Option<Elastic>, Vec<Problem>> 
     let (rest, _) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
     let (rest, _) = gissmo::split(&rest)?;
+    let (rest, _) = diem::split(&rest)?;
     match (row.build.filter(|_| equation.is_none()), row.solid) {
         (Some(build), _) => build(&rest).map(|law| Some(law.elastic())),
         (None, Some(solid)) => {
@@ -496,8 +508,10 @@ pub fn build_solid(material: &Material) -> SolidLawResult {
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
     let (rest, damage) = gissmo::split(&rest)?;
+    let (rest, onset) = diem::split(&rest)?;
     let law = equation_of_state::solid(material, solid(&rest)?, equation)?;
     let law = gissmo::solid(material, law, damage)?;
+    let law = diem::solid(material, law, onset)?;
     erosion::solid(material, law, limits)
 }
 

@@ -18,6 +18,8 @@ fn sample(law: &Law) -> Material {
         "reference_rate" | "m" => 1.0,
         "specific_heat" => 1e4,
         "long_term_shear_modulus" | "decay_rate" | "shear_modulus" => 10.0,
+        "compressive_strength" => 0.05,
+        "tensile_strength" => 10.0,
         "youngs_modulus_b" | "bulk_modulus" => 100.0,
         "shape" => 2.0,
         "compacted_volume" => 0.3,
@@ -34,6 +36,14 @@ fn sample(law: &Law) -> Material {
         other => panic!("{}: add a value of {other} to the sample", law.name),
     };
     let value = |key: &str| match key {
+        "pressure" if law.name == "soil" => Param::Table(vec![vec![0.0, 0.0], vec![0.5, 5.0]]),
+        "pressure" => Param::List(vec![80.0, 0.0, 0.0]),
+        "intact_strength" => Param::List(vec![0.01, 0.6]),
+        "hugoniot_elastic_limit" => Param::List(vec![3.0, 1.0]),
+        "strength_constants" => Param::List(vec![0.8, 1.6, 0.6]),
+        "crushing_point" => Param::List(vec![1e-4, 2e-3]),
+        "locking_point" => Param::List(vec![0.1, 0.8]),
+        "yield_constants" => Param::List(vec![1e-4, 0.0, 0.0]),
         "coefficients" => Param::List(vec![1.0, 0.5, 0.0, 0.0, 0.0, 0.0]),
         "terms" => Param::Table(vec![vec![1.0, 2.0]]),
         "moduli" => Param::List(vec![20.0, 10.0, 10.0, 5.0, 5.0, 5.0]),
@@ -59,6 +69,10 @@ fn sample(law: &Law) -> Material {
     // Without voids their parameters have no effect.
     if law.name == "gurson" {
         parameters.insert("nucleation".into(), Param::List(vec![0.1, 0.0, 0.1]));
+    }
+    // Bulking and the least strain need damage.
+    if law.name.starts_with("johnson_holmquist") {
+        parameters.insert("damage".into(), Param::List(vec![1e-5, 1.0]));
     }
     if law.name == "cscm" {
         for key in ["tension_rate", "compression_rate"] {
@@ -128,7 +142,8 @@ fn the_tables_say_what_may_be_left_out() {
             // The sample has neither `c` nor `damage`, so it needs no reference rate. Without `m`
             // it needs none of the thermal parameters.
             // Each effect of the rate needs the other one.
-            let free = matches!(row.key, "reference_rate" | "m" | "shape" | "nucleation");
+            let free =
+                matches!(row.key, "reference_rate" | "m" | "shape" | "nucleation" | "damage");
             assert_eq!(elastic_of(&less).is_ok(), free, "{} without {}", law.name, row.key);
         }
     }

@@ -1,10 +1,10 @@
 //! Converts damage that is added to any plastic material: `*MAT_ADD_DAMAGE_GISSMO`, and the same
-//! model in `*MAT_ADD_EROSION` (LS-DYNA Keyword User's Manual, vol. II).
+//! model in `*MAT_ADD_EROSION`; `*MAT_ADD_DAMAGE_DIEM` (LS-DYNA Keyword User's Manual, vol. II).
 
 use super::DeckConverter;
 use super::materials::{DeckMaterial, rows};
 use super::tree::JobTable;
-use crate::input::deck::record::CardRecord;
+use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use std::collections::HashMap;
 
@@ -18,6 +18,41 @@ const REFUSED: [(&str, &str); 8] = [
     ("midfail", "each point has its own damage"),
     ("soft", "elements at a crack have the same strain to failure"),
     ("lp2bi", "there is no bending indicator"),
+];
+
+/// Criteria by dityp: keys of the curve, of the factor of the pressure, of the displacement, of the
+/// energy, and of the multiplication.
+const ONSETS: [(i64, [&str; 5]); 3] = [
+    (
+        0,
+        [
+            "diem_ductile",
+            "",
+            "diem_ductile_displacement",
+            "diem_ductile_energy",
+            "diem_ductile_multiplied",
+        ],
+    ),
+    (
+        1,
+        [
+            "diem_shear",
+            "diem_shear_pressure",
+            "diem_shear_displacement",
+            "diem_shear_energy",
+            "diem_shear_multiplied",
+        ],
+    ),
+    (
+        4,
+        [
+            "diem_principal",
+            "diem_principal_pressure",
+            "diem_principal_displacement",
+            "diem_principal_energy",
+            "diem_principal_multiplied",
+        ],
+    ),
 ];
 
 impl DeckConverter {
@@ -94,6 +129,93 @@ impl DeckConverter {
         }
         let points = record.real_or("numfip", 1.0);
         table.put("gissmo_failed_points", record.place("numfip"), points);
+    }
+
+    /// Adds `*MAT_ADD_DAMAGE_DIEM` to the materials.
+    pub(super) fn damage_from_onset(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
+        for record in self.take_records("MAT_ADD_DAMAGE_DIEM") {
+            let (id, place) = (record.integer("mid"), record.place("mid"));
+            let Some(material) = materials.get_mut(&id) else {
+                let known: Vec<String> = materials.keys().map(i64::to_string).collect();
+                self.missing(place, "*MAT_...", id, &known);
+                continue;
+            };
+            let Some(table) = &mut material.table else { continue };
+            let has_gissmo = table.place_of("gissmo_failure_strain");
+            if let Some(first) = table.place_of("diem_failed_points").or(has_gissmo) {
+                self.second_card(&record, "damage", [first, place]);
+                continue;
+            }
+            let count = record.real("ndiemc");
+            let [onsets, evolutions] =
+                ["dityp", "detyp"].map(|field| record.lines(field).cloned().collect::<Vec<_>>());
+            if !(1.0..=5.0).contains(&count) || onsets.len() < count as usize {
+                let message = format!("{}: ndiemc is {count}", record.name());
+                let help = "give 1 to 5 criteria, each with its two cards";
+                self.trouble.error(record.place("ndiemc"), message, help);
+                continue;
+            }
+            for (onset, evolution) in onsets.iter().zip(&evolutions).take(count as usize) {
+                self.onset(&record, [onset, evolution], table);
+            }
+            let points = record.real_or("numfip", 1.0);
+            table.put("diem_failed_points", record.place("numfip"), points);
+        }
+    }
+
+    /// Converts a criterion.
+    fn onset(
+        &mut self,
+        record: &CardRecord,
+        [onset, evolution]: [&CardLine; 2],
+        table: &mut JobTable,
+    ) {
+        let refused = |of: &mut Self, line: &CardLine, field: &str, why: &str| {
+            let value = line.real(field);
+            let message = format!("{}: `{field}` = {value} is not supported: {why}", record.name());
+            of.unsupported(line.place(field), message, format!("{} {field}", record.name()));
+        };
+        let kind = onset.integer("dityp");
+        let Some((_, keys)) = ONSETS.iter().find(|(dityp, _)| *dityp == kind) else {
+            refused(self, onset, "dityp", "criteria of thin sheets (FLD, MSFLD)");
+            return;
+        };
+        if table.place_of(keys[0]).is_some() {
+            refused(self, onset, "dityp", "a criterion that stands before; give each one once");
+            return;
+        }
+        for (line, field, why) in [
+            (onset, "p5", "a factor by the size of the element on the strain at onset"),
+            (evolution, "q3", "damage that is not linear in the displacement"),
+            (evolution, "q4", "a factor by the size of the element on q1"),
+        ] {
+            if line.real(field) != 0.0 {
+                refused(self, line, field, why);
+            }
+        }
+        let id = onset.integer("p1");
+        if self.tables.contains_key(&id) {
+            refused(self, onset, "p1", "a table over the strain rate; give a curve");
+        } else if let Some(curve) = self.curve(id, onset.place("p1")) {
+            table.put(keys[0], onset.place("p1"), rows(&curve.points));
+        }
+        if onset.real("p2") != 0.0 && !keys[1].is_empty() {
+            table.put(keys[1], onset.place("p2"), onset.real("p2"));
+        }
+        let growth = evolution.real("q1");
+        match evolution.integer("detyp") {
+            _ if growth < 0.0 => {
+                refused(self, evolution, "q1", "a table over the triaxiality and the damage");
+            }
+            0 => table.put(keys[2], evolution.place("q1"), growth),
+            1 => table.put(keys[3], evolution.place("q1"), growth),
+            _ => refused(self, evolution, "detyp", "use 0 or 1"),
+        }
+        match evolution.integer("dctyp") {
+            0 => {}
+            1 => table.put(keys[4], evolution.place("dctyp"), true),
+            _ => refused(self, evolution, "dctyp", "damage without an effect; use 0 or 1"),
+        }
     }
 
     /// Reports that two cards give a material the same; both their places are named.

@@ -4,7 +4,7 @@ use super::DeckConverter;
 use super::cohesive::{self, CohesiveIntegration};
 use super::solid_welds::WeldLimits;
 use super::tree::JobTable;
-use super::{composites, concrete, metals, soft_materials};
+use super::{composites, concrete, metals, pressure_dependent, soft_materials};
 use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
@@ -92,6 +92,7 @@ impl DeckConverter {
             .into_iter()
             .chain(soft_materials::KEYWORDS)
             .chain(concrete::KEYWORDS)
+            .chain(pressure_dependent::KEYWORDS)
             .chain(composites::KEYWORDS)
             .chain(cohesive::KEYWORDS);
         for keyword in KEYWORDS.into_iter().chain(others) {
@@ -106,7 +107,9 @@ impl DeckConverter {
                 let is_cohesive = cohesive::KEYWORDS.contains(&keyword);
                 let is_hydro = keyword == HYDRO;
                 let is_concrete = concrete::KEYWORDS.contains(&keyword);
-                let has_own = is_soft || is_ply || is_cohesive || is_hydro || is_concrete;
+                let by_pressure = pressure_dependent::KEYWORDS.contains(&keyword);
+                let has_own =
+                    is_soft || is_ply || is_cohesive || is_hydro || is_concrete || by_pressure;
                 let (mut table, mut e) = if has_own {
                     (without_constants(&record, &name), 0.0)
                 } else {
@@ -138,6 +141,7 @@ impl DeckConverter {
                     }
                     _ if is_ply => e = self.ply(keyword, &record, &mut table),
                     _ if is_concrete => e = self.concrete(keyword, &record, &mut table),
+                    _ if by_pressure => e = self.pressure_dependent(keyword, &record, &mut table),
                     _ if is_soft => e = self.soft_material(keyword, &record, &mut table),
                     _ if metals::KEYWORDS.contains(&keyword) => {
                         self.metal(keyword, &record, &mut table);
@@ -186,6 +190,7 @@ impl DeckConverter {
         }
         self.erosion(&mut materials);
         self.damage(&mut materials);
+        self.damage_from_onset(&mut materials);
         materials
     }
 

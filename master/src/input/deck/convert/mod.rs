@@ -35,6 +35,7 @@ mod names;
 pub(in crate::input::deck) mod particles;
 mod parts;
 mod preloads;
+mod pressure_dependent;
 pub mod radioss;
 mod rate_curves;
 mod rigid;

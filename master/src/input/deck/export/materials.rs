@@ -3,7 +3,8 @@
 
 use super::{Blank, CardValue, DeckWriter, Id, Number, line, named, points};
 use super::{
-    barlat, cohesive, composites, damage, gurson, metals, soft_materials, writer::LeftReason,
+    barlat, cohesive, composites, damage, gurson, metals, pressure_dependent, soft_materials,
+    writer::LeftReason,
 };
 use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::job::Model;
@@ -189,6 +190,7 @@ pub fn write<'m>(
         let mut read = law(deck, &cards);
         erosion(deck, &cards, &mut read);
         damage::gissmo(deck, &cards, &mut read);
+        damage::diem(deck, &cards, &mut read);
         if ["johnson_cook", FLUID].contains(&&*material.law) && of_solids(material) {
             equations.extend(equation(deck, &cards, &mut read).map(|id| (&*material.name, id)));
         }
@@ -244,6 +246,7 @@ fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
         }
         law if soft_materials::write(deck, law, cards, &mut read) => {}
         law if cohesive::write(deck, law, cards, &mut read) => {}
+        law if pressure_dependent::write(deck, law, cards, &mut read) => {}
         other => {
             cards.head(deck, "MAT_ELASTIC");
             deck.card(&cards.elastic());

@@ -16,6 +16,7 @@ mod materials;
 mod mesh;
 mod particles;
 mod parts;
+mod pressure_dependent;
 mod sensors;
 mod sets;
 mod soft_materials;
@@ -35,6 +36,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Cohesive elements", cohesive::KEYWORDS),
     ("Rubber, foam and honeycomb", soft_materials::KEYWORDS),
     ("Concrete", concrete::KEYWORDS),
+    ("Ceramics, concrete and soil by pressure", pressure_dependent::KEYWORDS),
     ("Sets, curves, boxes", sets::KEYWORDS),
     ("Boundary conditions and loads", loads::KEYWORDS),
     ("Airbags", airbags::KEYWORDS),

@@ -46,6 +46,10 @@ const TISSUE_UNUSED: &[UnusedFields] = &[
     no_effect("t", "there is no relaxation"),
 ];
 
+/// Cards of a criterion of MAT_ADD_DAMAGE_DIEM.
+const ONSET: (&str, Times) = ("dityp:i p1:i p2:r p3:r p4:r p5:i", Maybe);
+const EVOLUTION: (&str, Times) = ("detyp:i dctyp:i q1:r q2:r q3:r q4:i", Maybe);
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "MAT_ADD_EROSION",
@@ -85,6 +89,35 @@ pub const KEYWORDS: &[Keyword] = &[
         no_effect("unused", "no field of the format"),
         ignored("refsz", "it is for output"),
         no_effect("hisvn rgtr1 rgtr2", "they are for tables and reduction factors"),
+    ])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_ADD_DAMAGE_DIEM",
+        &[
+            TITLE,
+            ("mid:i! ndiemc:r! dinit:i deps:r numfip:r volfrac:r", Once),
+            ONSET,
+            EVOLUTION,
+            ONSET,
+            EVOLUTION,
+            ONSET,
+            EVOLUTION,
+            ONSET,
+            EVOLUTION,
+            ONSET,
+            EVOLUTION,
+        ],
+        "keys `diem_...` of the material: dityp 0, 1 and 4 are `diem_ductile`, `diem_shear` and \
+         `diem_principal`, p1 their curve, p2 the factor of the pressure; q1 is the displacement \
+         (detyp 0) or the energy (detyp 1), dctyp 1 is multiplied; each dityp once",
+    )
+    .unused(&[
+        refused("dinit", "damage by the strain at the start: use 0"),
+        ignored("deps", "damage grows in every step"),
+        no_effect("volfrac", "it is for elements of higher order"),
+        no_effect("p3", "it is for dityp 2 and 3"),
+        no_effect("p4", "plastic laws of shells have no transverse shear"),
+        no_effect("q2", "failed elements are in the output"),
     ])
     .options(&["TITLE"]),
     Keyword::new(
