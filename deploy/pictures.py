@@ -23,6 +23,7 @@ DISTINCT = ["#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2", "#edc948", "#
 # Name on the command line -> cell array, title of the colour bar, colour map
 COLOURS = {
     "plastic_strain": ("plastic_strain", "plastic strain [-]", STRAIN),
+    "damage": ("damage", "damage [-]", STRAIN),
     "von_mises": ("von_mises", "von Mises stress [{stress}]", "viridis"),
     "thickness": ("thickness", "thickness [{length}]", "viridis"),
     "part": ("part", "part", "tab10"),

@@ -4,7 +4,7 @@ use crate::engine::Engine;
 use crate::fem::blocks::Class;
 use crate::fem::elements::PointFields;
 use crate::math::row::{Row, xyz};
-use crate::vtu::{self, Cells, FieldPiece};
+use crate::vtu::{self, Cells, FieldPiece, OptionalArrays};
 use crumple_proto::ids::ElemId;
 use crumple_proto::mesh::Shape;
 use crumple_proto::report::PartRecord;
@@ -17,6 +17,7 @@ use std::path::Path;
 struct CellColumns {
     cells: Cells,
     plastic_strain: Vec<f32>,
+    damage: Vec<f32>,
     von_mises: Vec<f32>,
     stress: Vec<[f32; 6]>,
     thickness: Vec<f32>,
@@ -144,6 +145,7 @@ fn own_cells(engine: &Engine) -> CellColumns {
             let f = b.element.fields(b.state(i), &x);
             c.cells.push(e.record.shape, &e.nodes);
             c.plastic_strain.push(f.plastic_strain as f32);
+            c.damage.push(f.damage as f32);
             c.von_mises.push(f.von_mises as f32);
             c.stress.push(f.stress.map(|s| s as f32));
             c.thickness.push(f.thickness as f32);
@@ -170,6 +172,7 @@ fn exterior_cells(engine: &Engine) -> CellColumns {
         c.cells.push(shape, &s.nodes);
         // A ghost has only position and thickness; its stress is with its owner.
         c.plastic_strain.push(0.0);
+        c.damage.push(0.0);
         c.von_mises.push(0.0);
         c.stress.push([0.0; 6]);
         c.thickness.push(2.0 * s.half_thickness as f32);
@@ -225,6 +228,9 @@ fn write_piece(engine: &Engine, path: &Path, points: usize, c: &CellColumns) -> 
     ];
     if engine.halo.regions.is_some() {
         cell_arrays.push(vtu::CONTACT_WORKER.with(&c.contact_worker));
+    }
+    if OptionalArrays::of(&engine.settings).damage {
+        cell_arrays.push(vtu::DAMAGE.with(&c.damage));
     }
     let count = engine.settings.field_points;
     if count > 0 {

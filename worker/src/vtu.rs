@@ -6,6 +6,7 @@
 //! A file is written under a temporary name and then renamed, so that a run that is killed leaves
 //! no incomplete file.
 
+use crate::fem::materials::has_damage;
 use crumple_proto::disk::{WatchedFile, watched};
 use crumple_proto::mesh::Shape;
 use crumple_proto::partition::Settings;
@@ -85,6 +86,9 @@ pub const NODE_ID: Array = array("node_id", 1, NumberType::I64);
 
 /// Largest effective plastic strain over the thickness.
 pub const PLASTIC_STRAIN: Array = array("plastic_strain", 1, NumberType::F32);
+/// Largest damage over the thickness: 0 in intact material, 1 where the law fails. Only in jobs
+/// with such a material ([`OptionalArrays`]).
+pub const DAMAGE: Array = array("damage", 1, NumberType::F32);
 /// Largest von Mises stress over the thickness [force/length^2].
 pub const VON_MISES: Array = array("von_mises", 1, NumberType::F32);
 /// Global stress at mid-surface: xx, yy, zz, xy, yz, zx, which is VTK's own order [force/length^2].
@@ -129,6 +133,8 @@ pub struct OptionalArrays {
     pub contact_worker: bool,
     /// [`CONTACT_FORCE`].
     pub contact_force: bool,
+    /// [`DAMAGE`].
+    pub damage: bool,
     /// Number of points of [`STRESS_OF_POINTS`] and [`PLASTIC_STRAIN_OF_POINTS`]; 0 without them.
     pub points: usize,
 }
@@ -139,6 +145,7 @@ impl OptionalArrays {
         Self {
             contact_worker: settings.has_second_decomposition(),
             contact_force: settings.contact_forces,
+            damage: settings.materials.iter().any(has_damage),
             points: settings.field_points,
         }
     }
@@ -146,11 +153,12 @@ impl OptionalArrays {
     /// Returns the arrays on cells, in the order of the file.
     pub fn cell_arrays(self) -> Vec<Array> {
         let contact_worker = self.contact_worker.then_some(CONTACT_WORKER);
+        let damage = self.damage.then_some(DAMAGE);
         let points = [STRESS_OF_POINTS, PLASTIC_STRAIN_OF_POINTS]
             .map(|array| array.of_points(self.points))
             .into_iter()
             .filter(|_| self.points > 0);
-        CELL_ARRAYS.iter().copied().chain(contact_worker).chain(points).collect()
+        CELL_ARRAYS.iter().copied().chain(contact_worker).chain(damage).chain(points).collect()
     }
 
     /// Returns the arrays on points, in the order of the file.
@@ -324,9 +332,11 @@ impl FieldPiece<'_> {
     }
 
     fn check(&self) -> Result<(), String> {
+        let has = |array: Array| self.cell_arrays.iter().any(|c| c.array.name == array.name);
         let optional = OptionalArrays {
-            contact_worker: self.cell_arrays.iter().any(|c| c.array.name == CONTACT_WORKER.name),
+            contact_worker: has(CONTACT_WORKER),
             contact_force: self.point_arrays.len() > POINT_ARRAYS.len(),
+            damage: has(DAMAGE),
             points: self
                 .cell_arrays
                 .iter()

@@ -222,6 +222,7 @@ fn numbers_due(name: &str, points: usize, cells: usize) -> Option<Option<usize>>
     of(&[vtu::POINTS, vtu::CONTACT_FORCE], points)
         .or(of(POINT_ARRAYS, points))
         .or(of(CELL_ARRAYS, cells))
+        .or(of(&[vtu::DAMAGE], cells))
         .or(of_cells)
 }
 

@@ -4,6 +4,7 @@
 mod binout;
 mod contact_forces;
 mod d3plot;
+mod damage;
 mod exodus;
 mod histories;
 mod logs;

@@ -81,6 +81,8 @@ use pass::{GroupCorners, ShellGroups, SingleElement, SolidGroups, Totals};
 pub struct ElementFields {
     /// Largest effective plastic strain over the thickness.
     pub plastic_strain: f64,
+    /// Largest damage of the law over the thickness, 0 if the law has none.
+    pub damage: f64,
     /// Global stress at mid-surface: xx, yy, zz, xy, yz, zx [force/length^2].
     pub stress: [f64; 6],
     /// Largest von Mises stress over the thickness [force/length^2].
@@ -108,6 +110,7 @@ impl ElementFields {
             |of: fn(&Self) -> f64| points.iter().map(of).fold(0.0, |m: f64, value| m.max(value));
         Self {
             plastic_strain: largest(|p| p.plastic_strain),
+            damage: largest(|p| p.damage),
             stress: std::array::from_fn(|c| {
                 points.iter().map(|p| p.stress[c]).sum::<f64>() / N as f64
             }),
@@ -643,6 +646,11 @@ fn row_for(part: &Part, shape: Shape) -> Result<&'static ElementEntry, Problem> 
 /// columns of the law begin at `first`.
 fn law_column(history: &[&str], name: &str, first: usize) -> Option<usize> {
     history.iter().position(|&column| column == name).map(|column| first + column)
+}
+
+/// Returns the column of the damage of a law, counted from `first`, if it has one.
+fn damage_column(history: &[&str], first: usize) -> Option<usize> {
+    materials::DAMAGE_COLUMNS.iter().find_map(|name| law_column(history, name, first))
 }
 
 /// Sets the lanes that have failed to zero.

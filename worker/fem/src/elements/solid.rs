@@ -5,7 +5,7 @@
 
 use super::parameters::{self, DELETE, DELETION_STEP};
 use super::pass::{GroupCorners, GroupNodes};
-use super::{ElementFields, law_column};
+use super::{ElementFields, damage_column, law_column};
 use crate::columns::ElementState;
 use crate::materials::tensor::rotated;
 use crate::materials::{
@@ -133,6 +133,7 @@ pub struct SolidMaterial {
     pub state: usize,
     /// Column of the law with its effective plastic strain, if it has any.
     plastic_strain: Option<usize>,
+    damage: Option<usize>,
     /// Column of the law that marks failure, if it can fail.
     pub failed: Option<usize>,
     /// See [`Solid::tensors`].
@@ -179,6 +180,7 @@ impl SolidMaterial {
             bulk_viscosity: values.numbers("bulk_viscosity"),
             state: STRESS + history.len(),
             plastic_strain: law_column(history, "plastic_strain", STRESS),
+            damage: damage_column(history, STRESS),
             failed: law_column(history, "failed", STRESS),
             tensors: law.tensors(),
             axes: law_column(history, AXES_COLUMN, STRESS),
@@ -400,6 +402,7 @@ impl SolidMaterial {
         let direct = (x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x);
         ElementFields {
             plastic_strain: self.plastic_strain.map_or(0.0, at),
+            damage: self.damage.map_or(0.0, at),
             stress,
             von_mises: (0.5 * direct + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt(),
             thickness: 0.0,

@@ -11,8 +11,8 @@
 //! dw = de/e_onset;   where w >= 1:   du = l de,   D = u/u_f,   u_f = 2 G_f/q at onset
 //! ```
 //! with the plastic strain e and the size l of the element. The damage of a point is the largest of
-//! all criteria, or `1 - (1 - D_1) (1 - D_2)...` of those that are multiplied, if this is larger. It
-//! takes this part of the stress; a point fails at D = 1.
+//! all criteria, or `1 - (1 - D_1) (1 - D_2)...` of those that are multiplied, if this is larger.
+//! It takes this part of the stress; a point fails at D = 1.
 //!
 //! Not included: strain rates, criteria of thin sheets (FLD, MSFLD), displacements that depend on
 //! the stress.
@@ -73,6 +73,9 @@ const CRITERIA: [OnsetKeys; 3] = [
 ];
 const POINTS: &str = "diem_failed_points";
 
+/// Column of the damage of all criteria together.
+pub const DAMAGE_COLUMN: &str = "diem damage";
+
 const CURVE: &str = "[[measure, strain], ...]";
 const WANTED: &str = "with strains above 0";
 
@@ -97,8 +100,9 @@ const fn flag(key: &'static str) -> ParameterRow {
     }
 }
 
-const DISPLACEMENT: &str = "Plastic displacement from onset to failure [length]: plastic strain times the size of the \
-     element, the root of the area or the cube root of the volume.";
+const DISPLACEMENT: &str = "Plastic displacement from onset to failure [length]: plastic strain \
+                            times the size of the element, the root of the area or the cube root \
+                            of the volume.";
 const ENERGY: &str = "Energy over the area of a crack from onset to failure, in place of the \
                       displacement [force/length].";
 const FACTOR: &str = "Factor k of the pressure in the measure of this criterion; without it 0.";
@@ -238,7 +242,9 @@ struct OnsetColumns {
 struct Diem {
     criteria: Vec<(OnsetCriterion, OnsetColumns)>,
     columns: DamageColumns,
+    /// Columns: size, damage.
     size: usize,
+    all: usize,
     failed_points: FailedPoints,
 }
 
@@ -260,14 +266,14 @@ impl Diem {
             (criterion, places)
         };
         let criteria: Vec<_> = criteria.into_iter().map(with_columns).collect();
-        let size = columns.add(SIZE_COLUMN);
+        let [size, all] = [SIZE_COLUMN, DAMAGE_COLUMN].map(|name| columns.add(name));
         let Some(columns) = DamageColumns::new(columns) else {
             let key = criteria.first().map_or(POINTS, |(of, _)| CRITERIA[of.kind].onset);
             let what = format!("material '{}': {key} is given", material.name);
             let message = format!("{what}, but the law has no plastic strain");
             return Err(vec![Problem::error(key, message, "remove it")]);
         };
-        Ok(Self { criteria, columns, size, failed_points })
+        Ok(Self { criteria, columns, size, all, failed_points })
     }
 
     /// Returns the damage.
@@ -346,6 +352,7 @@ impl DamageLaw for Diem {
             let more = R::select(after.ge(one), moved, zero);
             state[places.displacement] += more;
         }
+        state[self.all] = self.damage(state);
     }
 
     #[inline(always)]

@@ -452,6 +452,16 @@ pub fn build(material: &Material) -> LawResult {
     erosion::shell(material, law, limits)
 }
 
+/// Columns of the damage of a law: 0 in intact material, 1 where it fails.
+pub const DAMAGE_COLUMNS: [&str; 2] = ["damage", diem::DAMAGE_COLUMN];
+
+/// Returns true if a material has a damage that output shows.
+pub fn has_damage(material: &Material) -> bool {
+    let shown = |history: &[&str]| history.iter().any(|name| DAMAGE_COLUMNS.contains(name));
+    build_solid(material).is_ok_and(|law| shown(law.history()))
+        || build(material).is_ok_and(|law| shown(law.history()))
+}
+
 /// Parameters that describe a sheet or its size: beams and trusses cannot have them.
 pub const OF_SHEETS: [&str; 8] = [
     j2::LANKFORD,

@@ -40,7 +40,7 @@ use crumple_proto::problem::Problem;
 
 use rule::IntegrationRule;
 
-use super::{ElementFields, PointFields, law_column, parameters, zero_failed};
+use super::{ElementFields, PointFields, damage_column, law_column, parameters, zero_failed};
 
 /// Shear correction of a homogeneous section.
 pub const SHEAR_CORRECTION: f64 = 5.0 / 6.0;
@@ -108,6 +108,8 @@ pub struct Section {
     pub deletion_step: f64,
     /// Column of a point with its effective plastic strain, if the law has any.
     plastic_strain: Option<usize>,
+    /// Column of a point with its damage, if the law has any.
+    damage: Option<usize>,
     /// Yield stress at zero plastic strain [force/length^2]; infinite without plastic flow.
     initial_yield_stress: f64,
     /// Column of a point that marks its failure, if the law can fail.
@@ -230,6 +232,7 @@ impl Section {
             deletes: parameters::deletes_inverted(values),
             deletion_step: values.number(parameters::DELETION_STEP.key),
             plastic_strain: law_column(history, "plastic_strain", 3),
+            damage: damage_column(history, 3),
             initial_yield_stress: law.initial_yield_stress(),
             failed: law_column(history, "failed", 3),
             law,
@@ -736,12 +739,13 @@ impl Section {
             let values = (0..self.planar).map(|p| history.at(p * self.each() + column));
             values.sum::<f64>() / self.planar as f64
         };
-        let (mut von_mises, mut plastic_strain) = (0.0_f64, 0.0_f64);
+        let (mut von_mises, mut plastic_strain, mut damage) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (p, k) in (0..self.planar).flat_map(|p| (0..self.points).map(move |k| (p, k))) {
             let point = |c: usize| history.at(p * self.each() + POINTS + k * self.stride + c);
             let [x, y, t] = [0, 1, 2].map(point);
             von_mises = von_mises.max((x * x + y * y - x * y + 3.0 * t * t).sqrt());
             plastic_strain = plastic_strain.max(self.plastic_strain.map_or(0.0, point));
+            damage = damage.max(self.damage.map_or(0.0, point));
         }
         // The middle point, or the mean of the two points nearest to the middle.
         let layer = |k: usize, c: usize| mean(POINTS + k * self.stride + c);
@@ -749,6 +753,7 @@ impl Section {
         let plane = [0, 1, 2].map(|c| 0.5 * (layer(below, c) + layer(above, c)));
         ElementFields {
             plastic_strain,
+            damage,
             stress: in_global_axes(plane, [SHEAR, SHEAR + 1].map(mean), axes),
             von_mises,
             thickness: mean(THICKNESS),

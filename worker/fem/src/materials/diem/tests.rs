@@ -76,15 +76,16 @@ fn each_criterion_has_a_closed_form() {
     let law =
         metal(MODULUS, &[(keys.displacement, end)], &[(keys.onset, onset(1.0 / 3.0, begins))]);
     let mut sheet = Sheet::new(&law);
-    // Columns: plastic strain, w, u, size, failure.
-    assert_eq!(sheet.state.len(), 8);
+    // Columns: plastic strain, w, u, size, damage, failure.
+    assert_eq!(sheet.state.len(), 9);
     sheet.state[6] = SIZE;
-    while sheet.state[7] == 0.0 {
+    while sheet.state[8] == 0.0 {
         sheet.pull(2e-5, 1.0);
         let damage = (SIZE * (sheet.state[3] - begins) / end).max(0.0);
         let exact = (YIELD + MODULUS * sheet.state[3]) * (1.0 - damage);
-        let is_plastic = sheet.state[3] > 0.0 && sheet.state[7] == 0.0;
+        let is_plastic = sheet.state[3] > 0.0 && sheet.state[8] == 0.0;
         assert!(!is_plastic || (sheet.state[0] - exact).abs() < 1e-8);
+        assert!((sheet.state[7] - damage.min(1.0)).abs() < 1e-12, "the damage of all criteria");
     }
 }
 
@@ -111,7 +112,7 @@ fn the_fracture_energy_does_not_depend_on_the_size() {
     }
 }
 
-/// Of two criteria the larger damage counts; those that are multiplied leave the product of what
+/// The larger damage of two criteria counts; those that are multiplied leave the product of what
 /// each leaves.
 #[test]
 fn criteria_are_combined() {

@@ -12,8 +12,8 @@
 //! ```text
 //! dp <- -K1 mu + sqrt((K1 mu + dp)^2 + 2 beta K1 dU)
 //! ```
-//! In tension there is no bulking. The source adds dp in compression only; here the pressure is continuous at the volume of the
-//! start. Rates below the reference rate count as this rate.
+//! In tension there is no bulking. The source adds dp in compression only; here the pressure is
+//! continuous at the volume of the start. Rates below the reference rate count as this rate.
 
 use super::super::parameters::Parameters;
 use super::super::{DefaultValue, Elastic, Law, SolidLawResult};

@@ -4,12 +4,12 @@
 //! Y/f_c = (A (1 - D) + B p*^N) (1 + C ln rate*) <= largest_strength,   p* = p/f_c
 //! dD = (de + dmu_p)/max(D1 (p* + T*)^D2, least_fracture_strain)
 //! ```
-//! with the plastic strain e and the plastic compaction mu_p. In tension, p* < 0, the strength falls
-//! linearly to zero at `-T* (1 - D)`. The pressure has three ranges:
+//! with the plastic strain e and the plastic compaction mu_p. In tension, p* < 0, the strength
+//! falls linearly to zero at `-T* (1 - D)`. The pressure has three ranges:
 //!
 //! - elastic up to the crushing point (mu_c, p_c);
-//! - pores are crushed on a line from there to the pressure p_l; unloading has a modulus between the
-//!   elastic one and K1, by the part of the line passed;
+//! - pores are crushed on a line from there to the pressure p_l; unloading has a modulus between
+//!   the elastic one and K1, by the part of the line passed;
 //! - without pores `K1 m + K2 m^2 + K3 m^3`, `m = (mu - mu_l)/(1 + mu_l)`, with mu_l of the solid
 //!   without pores. The line ends where this curve has p_l, as in the source.
 //!
@@ -60,7 +60,8 @@ pub const LAW: Law = Law {
         needed(
             LOCKING,
             "[mu_l, p_l]",
-            "Compaction of the solid without pores when it is unloaded, and pressure at which all pores are crushed [force/length^2].",
+            "Compaction of the solid without pores when it is unloaded, and pressure at which all \
+             pores are crushed [force/length^2].",
         ),
         needed(
             PRESSURE,

@@ -188,7 +188,7 @@ struct VolumePressure {
     modulus: f64,
 }
 
-/// What a point has done in a step.
+/// Values of a point after a step.
 struct PointStep {
     /// rho/rho_0 - 1.
     compaction: f64,

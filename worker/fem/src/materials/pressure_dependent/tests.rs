@@ -79,8 +79,8 @@ fn ceramic_has_the_pressure_of_its_volume() {
     assert_eq!((tears.at("failed"), &tears.state[..6]), (1.0, &[0.0; 6][..]));
 }
 
-/// Damage is the plastic strain over that to fracture; the strength goes from that of intact to that
-/// of broken material. The rate raises both.
+/// Damage is the plastic strain over that to fracture; the strength goes from that of intact to
+/// that of broken material. The rate raises both.
 #[test]
 fn ceramic_breaks_to_rubble() {
     let damage = [0.02, 0.8];
