@@ -34,8 +34,9 @@ fn list(material: &Material, key: &str) -> Vec<f64> {
 const CERAMIC: &str = "*MAT_JOHNSON_HOLMQUIST_CERAMICS\n1,3.7e-6,90.16,0.93,0.31,0.0,0.6,0.6\n\
                        1e-3,0.2,1e20,2.79,1.46,1.0\n0.005,1.0,130.95,0.0,0.0,FS\n";
 /// Constants by Holmquist, Johnson & Cook (1993), table 1.
-const CONCRETE: &str = "*MAT_JOHNSON_HOLMQUIST_CONCRETE\n1,2.44e-6,14.86,0.79,1.6,0.007,0.61,\
-                        0.048\n0.004,1e-3,0.01,7.0,0.016,0.001,0.8,0.1\n0.04,1.0,85.0,-171.0,208.0,FS\n";
+const CONCRETE: &str = "*MAT_JOHNSON_HOLMQUIST_CONCRETE\n\
+                        1,2.44e-6,14.86,0.79,1.6,0.007,0.61,0.048\n\
+                        0.004,1e-3,0.01,7.0,0.016,0.001,0.8,0.1\n0.04,1.0,85.0,-171.0,208.0,FS\n";
 const SOIL: &str = "*MAT_SOIL_AND_FOAM\n1,2e-6,0.02,0.5,1e-9,1e-5,0.3,-1e-5\n0\n\
                     0.0,-0.05,-0.1\n\n0.0,0.002,0.02\n\n";
 
