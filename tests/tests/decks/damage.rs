@@ -186,6 +186,11 @@ fn criteria_of_onset_become_parameters() {
     ] {
         assert_eq!(parameter(&model, key), value, "{key}");
     }
+    // Damage that is only shown is none.
+    let shown = model_of(&deck("*MAT_ADD_DAMAGE_DIEM\n1,1\n0,31\n0,-1,0.2\n"));
+    assert_eq!(parameter(&shown, "diem_failed_points"), "");
+    let asked = "DIEM with dityp 0 and dctyp -1";
+    assert!(shown.mapping.iter().any(|entry| entry.asked == asked));
     // The next criterion is not read.
     let one = model_of(&deck(&card.replace("1,3,0,", "1,1,0,")));
     assert_eq!(parameter(&one, "diem_shear"), "");
@@ -218,7 +223,8 @@ fn criteria_of_onset_that_are_not_supported_are_refused() {
         (format!("{head}\n0,31,,,,33\n0,0,0.2\n"), "`p5` = 33"),
         (format!("{head}\n0,31\n0,0,0.2,,0.5,33\n"), "`q4` = 33"),
         (format!("{head}\n0,31\n0,0,-3\n"), "`q1` = -3"),
-        (format!("{head}\n0,31\n0,-1,0.2\n"), "`dctyp` = -1"),
+        (format!("{head}\n0,31\n0,2,0.2\n"), "`dctyp` = 2"),
+        ("*MAT_ADD_DAMAGE_DIEM\n1,2\n0,31\n0,0,0.2\n1,32\n".into(), "give 1 to 5 criteria"),
         (format!("{head}\n0,99\n0,0,0.2\n"), "no *DEFINE_CURVE with the id 99"),
         ("*MAT_ADD_DAMAGE_DIEM\n1,2\n0,31\n0,0,0.2\n0,32\n0,0,0.2\n".into(), "give each one once"),
         ("*MAT_ADD_DAMAGE_DIEM\n1,3\n0,31\n0,0,0.2\n".into(), "give 1 to 5 criteria"),

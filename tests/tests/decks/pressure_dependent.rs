@@ -68,6 +68,9 @@ fn cards_of_ceramics_and_concrete_are_their_laws() {
     assert!(tears(&material, "fails_in_tension"));
     assert!(tears(&failing(CONCRETE, "-1.0"), "fails_in_damaged_tension"));
     assert_eq!(number(&failing(CONCRETE, "0.5"), "failure_strain"), 0.5);
+    // Without a tensile strength all would fail at once.
+    let weak = failing(&CONCRETE.replace("\n0.004,", "\n0.0,"), "0");
+    assert!(!weak.parameters.contains_key("fails_in_tension"));
 }
 
 /// Points on the card and a curve give the same soil; the volume strain of the deck is ln V.
@@ -81,6 +84,10 @@ fn soil_has_the_curve_of_its_points() {
         .replace("\n0\n", "\n0,0,7\n")
         .replace("*MAT_", "*DEFINE_CURVE\n7\n-0.1,0.02\n-0.05,0.002\n0.0,0.0\n*MAT_");
     assert_eq!(material_of(&by_curve).parameters, material.parameters);
+    // The point at the start may be left out.
+    let short =
+        material_of(&SOIL.replace("0.0,-0.05,-0.1", "-0.05,-0.1").replace("0.0,0.002", "0.002"));
+    assert_eq!(short.parameters, material.parameters);
     let reversible = material_of(&SOIL.replace("\n0\n", "\n1.0\n"));
     assert_eq!(reversible.parameters.get("reversible"), Some(&Param::Flag(true)));
 }

@@ -96,7 +96,7 @@ fn what_is_not_supported_is_refused() {
     let of_solids = cantilever("1,1,,3", STEEL).replace("ELEMENT_TSHELL", "ELEMENT_SOLID");
     let section = cantilever("1,1,,3", STEEL).replace("SECTION_TSHELL", "SECTION_SOLID");
     let shell = cantilever("1,2,,3\n4.0", STEEL).replace("SECTION_TSHELL", "SECTION_SHELL");
-    let rubber = "*MAT_SOIL_AND_FOAM\n1,1e-6,1.0,2.0,0.1\n";
+    let unknown = "*MAT_CONCRETE_DAMAGE\n1,1e-6,0.2\n";
     for (deck, words) in [
         (repeated, "thick shell 1 has repeated nodes"),
         (of_solids, "part 1 has solids and *SECTION_TSHELL 1"),
@@ -104,7 +104,7 @@ fn what_is_not_supported_is_refused() {
         (shell, "part 1 has thick shells and *SECTION_SHELL 1"),
         (cantilever("1,4,,3", STEEL), "`elform` = 4"),
         (cantilever("1,1,,30", STEEL), "points is 30"),
-        (cantilever("1,1,,3", rubber), "MAT_SOIL_AND_FOAM"),
+        (cantilever("1,1,,3", unknown), "MAT_CONCRETE_DAMAGE"),
     ] {
         assert_refused(&deck, &[words]);
     }

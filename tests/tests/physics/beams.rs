@@ -290,7 +290,10 @@ fn parameters_of_sheets_are_refused_in_beams() {
              [[part]]\nid = 1\nmaterial = \"steel\"\n[part.beam]\n{RECTANGLE}\n"
         );
         let report = read_text("job.toml".into(), text, &[]).err().expect(key).to_string();
-        assert!(report.contains(&format!("{key} is for shells, and part 1 has beams")), "{report}");
+        assert!(
+            report.contains(&format!("{key} is not for beams and trusses, which part 1 has")),
+            "{report}"
+        );
     }
 }
 

@@ -76,6 +76,7 @@ fn dimension(letter: &str) -> Option<UnitPowers> {
         "i" => [1, 2, 0],
         // Stress, force, moment.
         "p" => [1, -1, -2],
+        "p2" => [2, -2, -4],
         "f" => [1, 1, -2],
         "q" => [1, 2, -2],
         // Stress per length.
@@ -227,6 +228,7 @@ const ROLES: &[(&str, &str)] = &[
         "ndiemc=1 dinit=1 deps=1 numfip=1 volfrac=1 dityp=1 p1=#f:1:1 p2=1 p3=1 p4=1 p5=#f:l:1 \
          detyp=1 dctyp=1 q1=l q2=1 q3=1 q4=#f:l:1",
     ),
+    ("MAT_SOIL_AND_FOAM", "ro=d g=p bulk=p a0=p2 a1=p a2=1 pc=p vcr=1 ref=1 lcid=#f:1:p eps=1 p=p"),
     (
         "MAT_JOHNSON_HOLMQUIST_CERAMICS",
         "ro=d g=p a=1 b=1 c=1 m=1 n=1 epsi=w t=p sfmax=1 hel=p phel=p beta=1 d1=1 d2=1 k1=p k2=p \

@@ -307,7 +307,7 @@ fn bulk_viscosity_follows_the_stiffening() {
 
 /// Laws that add up the deformation compute in double precision, whatever the job says.
 #[test]
-fn rubber_and_foam_need_double_precision() {
+fn laws_that_sum_up_need_double_precision() {
     for law in laws_of_solids() {
         let sums = [
             "mooney_rivlin",
@@ -316,6 +316,9 @@ fn rubber_and_foam_need_double_precision() {
             "blatz_ko",
             "tabulated_rubber",
             "low_density_foam",
+            "johnson_holmquist_ceramic",
+            "johnson_holmquist_concrete",
+            "soil",
         ];
         let (nodes, cells) = block([1, 1, 1], [1.0; 3]);
         let part = solid_part(HourglassForm::Stiffness, None);

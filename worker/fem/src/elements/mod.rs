@@ -440,7 +440,7 @@ pub fn build_block(settings: &Settings, part_index: usize, shape: Shape) -> Elem
         let given = |key: &&str| material.parameters.contains_key(*key);
         for key in materials::OF_SHEETS.into_iter().filter(given) {
             let message = format!(
-                "material '{}': {key} is for shells, and part {} has beams or trusses",
+                "material '{}': {key} is not for beams and trusses, which part {} has",
                 material.name,
                 part.label()
             );

@@ -10,7 +10,7 @@ use crate::columns::ElementState;
 use crate::materials::tensor::rotated;
 use crate::materials::{
     self, AXES_COLUMN, Elastic, HEAT_COLUMN, MaterialAxes, PointLanes, PointReal, SIZE_COLUMN,
-    STRAIN_COLUMN, STRETCH_COLUMN, Solid, SolidPoint,
+    STRAIN_COLUMN, STRETCH_COLUMN, Solid, SolidPoint, VOLUME_COLUMN,
 };
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::{Lane, Real, cross, dot};
@@ -357,7 +357,8 @@ impl SolidMaterial {
     /// Returns true if the law may compute in single precision. The rounding of a history that
     /// adds up the deformation drifts: near nu = 1/2 its volume then gives a wrong pressure.
     pub fn any_precision(&self) -> bool {
-        !self.law.history().contains(&STRETCH_COLUMN)
+        let needs_double = |name: &&str| [STRETCH_COLUMN, VOLUME_COLUMN].contains(name);
+        !self.law.history().iter().any(needs_double)
     }
 
     /// Returns lambda + 2 mu [force/length^2].

@@ -7,7 +7,7 @@
 //! ```text
 //! ductile    -p/q
 //! shear      (q + k p)/tau,   tau = (s_1 - s_3)/2
-//! principal  (q + k p)/s_1
+//! principal  (q + k p)/s_1,   none where s_1 <= 0
 //! dw = de/e_onset;   where w >= 1:   du = l de,   D = u/u_f,   u_f = 2 G_f/q at onset
 //! ```
 //! with the plastic strain e and the size l of the element. The damage of a point is the largest of
@@ -72,6 +72,9 @@ const CRITERIA: [OnsetKeys; 3] = [
     },
 ];
 const POINTS: &str = "diem_failed_points";
+
+/// Largest principal stress over the von Mises stress below which there is no tension.
+const TENSILE: f64 = 1e-6;
 
 /// Column of the damage of all criteria together.
 pub const DAMAGE_COLUMN: &str = "diem damage";
@@ -177,6 +180,11 @@ pub fn split(material: &Material) -> Result<(Material, Option<DiemInput>), Vec<P
     own.parameters.retain(|key, _| is_own(key));
     rest.parameters.retain(|key, _| !is_own(key));
     let mut parameters = Parameters::new(&own);
+    let gissmo = rest.parameters.keys().find(|key| key.starts_with("gissmo_"));
+    if let (Some(other), Some(key)) = (gissmo, own.parameters.keys().next()) {
+        let help = "a material has one damage: keep one of both kinds";
+        parameters.wrong(key, format_args!("is given with {other}"), help);
+    }
     let mut criteria = Vec::new();
     for (kind, keys) in CRITERIA.iter().enumerate() {
         criteria.extend(criterion(&mut parameters, kind, keys));
@@ -339,6 +347,9 @@ impl DamageLaw for Diem {
             };
             let before = state[places.onset];
             let step = plastic_strain / criterion.onset.at(measure)[0];
+            // Without tension the principal stress is round-off.
+            let pulled = major.gt(R::splat(TENSILE) * mises);
+            let step = if criterion.kind == 2 { R::select(pulled, step, zero) } else { step };
             let after = before + step;
             state[places.onset] = after;
             let reached = R::both(before.lt(one), after.ge(one));

@@ -200,6 +200,10 @@ pub struct SolidPoint<'a, R> {
 /// it compute in double precision.
 pub const STRETCH_COLUMN: &str = "B-1 xx";
 
+/// Column of the logarithm of the volume in laws whose pressure depends on the volume alone.
+/// Elements whose law has it compute in double precision.
+pub const VOLUME_COLUMN: &str = "logarithm of volume";
+
 /// Column of the internal energy per volume at the start of laws with an equation of state. The
 /// element adds the work of its bulk viscosity.
 pub const HEAT_COLUMN: &str = "eos energy";
@@ -445,8 +449,8 @@ pub fn build(material: &Material) -> LawResult {
         let help = "use a material without eos_... in parts of shells and beams";
         return Err(vec![Problem::error("law", message, help)]);
     }
-    let (rest, damage) = gissmo::split(&rest)?;
     let (rest, onset) = diem::split(&rest)?;
+    let (rest, damage) = gissmo::split(&rest)?;
     let law = gissmo::shell(material, build(&rest)?, damage)?;
     let law = diem::shell(material, law, onset)?;
     erosion::shell(material, law, limits)
@@ -483,8 +487,8 @@ pub fn elastic_of(material: &Material) -> Result<Option<Elastic>, Vec<Problem>> 
     }
     let (rest, _) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
-    let (rest, _) = gissmo::split(&rest)?;
     let (rest, _) = diem::split(&rest)?;
+    let (rest, _) = gissmo::split(&rest)?;
     match (row.build.filter(|_| equation.is_none()), row.solid) {
         (Some(build), _) => build(&rest).map(|law| Some(law.elastic())),
         (None, Some(solid)) => {
@@ -517,8 +521,8 @@ pub fn build_solid(material: &Material) -> SolidLawResult {
     };
     let (rest, limits) = erosion::split(material)?;
     let (rest, equation) = equation_of_state::split(&rest)?;
-    let (rest, damage) = gissmo::split(&rest)?;
     let (rest, onset) = diem::split(&rest)?;
+    let (rest, damage) = gissmo::split(&rest)?;
     let law = equation_of_state::solid(material, solid(&rest)?, equation)?;
     let law = gissmo::solid(material, law, damage)?;
     let law = diem::solid(material, law, onset)?;

@@ -149,73 +149,88 @@ impl DeckConverter {
             let count = record.real("ndiemc");
             let [onsets, evolutions] =
                 ["dityp", "detyp"].map(|field| record.lines(field).cloned().collect::<Vec<_>>());
-            if !(1.0..=5.0).contains(&count) || onsets.len() < count as usize {
+            let complete = onsets.len().min(evolutions.len());
+            if !(1.0..=5.0).contains(&count) || complete < count as usize {
                 let message = format!("{}: ndiemc is {count}", record.name());
                 let help = "give 1 to 5 criteria, each with its two cards";
                 self.trouble.error(record.place("ndiemc"), message, help);
                 continue;
             }
+            let mut any = false;
             for (onset, evolution) in onsets.iter().zip(&evolutions).take(count as usize) {
-                self.onset(&record, [onset, evolution], table);
+                any |= self.onset(&record, [onset, evolution], table);
             }
-            let points = record.real_or("numfip", 1.0);
-            table.put("diem_failed_points", record.place("numfip"), points);
+            if any {
+                let points = record.real_or("numfip", 1.0);
+                table.put("diem_failed_points", record.place("numfip"), points);
+            }
         }
     }
 
-    /// Converts a criterion.
+    /// Converts a criterion, wholly or not at all. Returns false if it was not converted.
     fn onset(
         &mut self,
         record: &CardRecord,
         [onset, evolution]: [&CardLine; 2],
         table: &mut JobTable,
-    ) {
-        let refused = |of: &mut Self, line: &CardLine, field: &str, why: &str| {
+    ) -> bool {
+        let kind = onset.integer("dityp");
+        let keys = ONSETS.iter().find(|(dityp, _)| *dityp == kind).map(|(_, keys)| keys);
+        let (id, growth) = (onset.integer("p1"), evolution.real("q1"));
+        let taken = keys.is_some_and(|keys| table.place_of(keys[0]).is_some());
+        let refused: Vec<(&CardLine, &str, &str)> = [
+            (onset, "dityp", keys.is_none(), "criteria of thin sheets (FLD, MSFLD)"),
+            (onset, "dityp", taken, "a criterion that stands before; give each one once"),
+            (onset, "p1", self.tables.contains_key(&id), "a table over the strain rate"),
+            (
+                onset,
+                "p5",
+                onset.real("p5") != 0.0,
+                "a factor by the size of the element on the strain at onset",
+            ),
+            (evolution, "q1", growth < 0.0, "a table over the triaxiality and the damage"),
+            (
+                evolution,
+                "q3",
+                evolution.real("q3") != 0.0,
+                "damage that is not linear in the displacement",
+            ),
+            (
+                evolution,
+                "q4",
+                evolution.real("q4") != 0.0,
+                "a factor by the size of the element on q1",
+            ),
+            (evolution, "detyp", !(0..=1).contains(&evolution.integer("detyp")), "use 0 or 1"),
+            (evolution, "dctyp", !(-1..=1).contains(&evolution.integer("dctyp")), "use 0 or 1"),
+        ]
+        .into_iter()
+        .filter_map(|(line, field, is_refused, why)| is_refused.then_some((line, field, why)))
+        .collect();
+        for (line, field, why) in &refused {
             let value = line.real(field);
             let message = format!("{}: `{field}` = {value} is not supported: {why}", record.name());
-            of.unsupported(line.place(field), message, format!("{} {field}", record.name()));
-        };
-        let kind = onset.integer("dityp");
-        let Some((_, keys)) = ONSETS.iter().find(|(dityp, _)| *dityp == kind) else {
-            refused(self, onset, "dityp", "criteria of thin sheets (FLD, MSFLD)");
-            return;
-        };
-        if table.place_of(keys[0]).is_some() {
-            refused(self, onset, "dityp", "a criterion that stands before; give each one once");
-            return;
+            let lost = format!("the criterion of {} {field}", record.name());
+            self.unsupported(line.place(field), message, lost);
         }
-        for (line, field, why) in [
-            (onset, "p5", "a factor by the size of the element on the strain at onset"),
-            (evolution, "q3", "damage that is not linear in the displacement"),
-            (evolution, "q4", "a factor by the size of the element on q1"),
-        ] {
-            if line.real(field) != 0.0 {
-                refused(self, line, field, why);
-            }
+        let Some(keys) = keys.filter(|_| refused.is_empty()) else { return false };
+        if evolution.integer("dctyp") == -1 {
+            let of = format!("material {}", record.integer("mid"));
+            let asked = format!("DIEM with dityp {kind} and dctyp -1");
+            self.map(of, asked, "not used: it only shows the damage");
+            return false;
         }
-        let id = onset.integer("p1");
-        if self.tables.contains_key(&id) {
-            refused(self, onset, "p1", "a table over the strain rate; give a curve");
-        } else if let Some(curve) = self.curve(id, onset.place("p1")) {
-            table.put(keys[0], onset.place("p1"), rows(&curve.points));
-        }
+        let Some(curve) = self.curve(id, onset.place("p1")) else { return false };
+        table.put(keys[0], onset.place("p1"), rows(&curve.points));
         if onset.real("p2") != 0.0 && !keys[1].is_empty() {
             table.put(keys[1], onset.place("p2"), onset.real("p2"));
         }
-        let growth = evolution.real("q1");
-        match evolution.integer("detyp") {
-            _ if growth < 0.0 => {
-                refused(self, evolution, "q1", "a table over the triaxiality and the damage");
-            }
-            0 => table.put(keys[2], evolution.place("q1"), growth),
-            1 => table.put(keys[3], evolution.place("q1"), growth),
-            _ => refused(self, evolution, "detyp", "use 0 or 1"),
+        let by_energy = evolution.integer("detyp") == 1;
+        table.put(keys[if by_energy { 3 } else { 2 }], evolution.place("q1"), growth);
+        if evolution.integer("dctyp") == 1 {
+            table.put(keys[4], evolution.place("dctyp"), true);
         }
-        match evolution.integer("dctyp") {
-            0 => {}
-            1 => table.put(keys[4], evolution.place("dctyp"), true),
-            _ => refused(self, evolution, "dctyp", "damage without an effect; use 0 or 1"),
-        }
+        true
     }
 
     /// Reports that two cards give a material the same; both their places are named.
@@ -223,8 +238,8 @@ impl DeckConverter {
         let id = record.integer("mid");
         for (place, which) in places.into_iter().zip(["first", "second"]) {
             let message = format!("material {id} has {what} by two cards: this is the {which} one");
-            let help = "keep one of them: *MAT_ADD_DAMAGE_GISSMO, or *MAT_ADD_EROSION, which gives \
-                        damage with idam 1";
+            let help = "keep one of them: *MAT_ADD_DAMAGE_GISSMO, *MAT_ADD_DAMAGE_DIEM, or \
+                        *MAT_ADD_EROSION, which gives damage with idam 1";
             self.trouble.error(place, message, help);
         }
     }

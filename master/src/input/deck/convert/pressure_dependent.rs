@@ -65,8 +65,13 @@ impl DeckConverter {
         table.put("least_fracture_strain", record.place("efmin"), record.real("efmin"));
         self.brittle(record, table, "eps0");
         match record.real("fs") {
-            0.0 => table.put("fails_in_tension", record.place("fs"), true),
             strain if strain > 0.0 => table.put("failure_strain", record.place("fs"), strain),
+            _ if record.real("t") == 0.0 => {
+                let of = format!("material {}", record.integer("mid"));
+                let asked = format!("fs {}, failure in tension", record.real("fs"));
+                self.map(of, asked, "not used: it has no tensile strength (t)");
+            }
+            0.0 => table.put("fails_in_tension", record.place("fs"), true),
             _ => table.put("fails_in_damaged_tension", record.place("fs"), true),
         }
         record.real("pc") / record.real("uc")
@@ -131,6 +136,9 @@ impl DeckConverter {
             let message = format!("{}: it has no pressure", record.name());
             self.trouble.error(place, message, "give lcid, or two points of eps and p at least");
             return bulk;
+        }
+        if points[0][0] > 0.0 {
+            points.insert(0, [0.0; 2]);
         }
         table.put("pressure", place, rows(&points));
         bulk

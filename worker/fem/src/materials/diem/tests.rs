@@ -148,6 +148,18 @@ fn criteria_are_combined() {
     }
 }
 
+/// In compression without any tension the principal stress gives no damage.
+#[test]
+fn compression_has_no_principal_damage() {
+    let keys = &CRITERIA[2];
+    let law = metal(MODULUS, &[(keys.displacement, 0.1)], &[(keys.onset, onset(0.0, 1e-4))]);
+    let mut cube = Cube::new(&law);
+    cube.set(SIZE_COLUMN, SIZE);
+    (0..4000).for_each(|_| cube.pull([-2e-5, 0.0, 0.0, 0.0, 0.0, 0.0], &[1, 2], 1.0));
+    assert!(cube.at("plastic_strain") > 0.05);
+    assert_eq!(cube.at("diem principal onset"), 0.0);
+}
+
 /// Without a displacement to failure a point fails at onset.
 #[test]
 fn a_displacement_of_zero_fails_at_onset() {
@@ -185,6 +197,9 @@ fn wrong_onsets_are_refused_at_once() {
     }
     let text = problems(&metal(MODULUS, &[("diem_failed_points", 1.0)], &[]));
     assert!(text.contains("without a criterion"), "{text}");
+    let both = [("gissmo_failure_strain", onset(0.0, 0.1)), ("diem_ductile", onset(0.0, 0.1))];
+    let text = problems(&metal(MODULUS, &[("diem_ductile_displacement", 1.0)], &both));
+    assert!(text.contains("is given with gissmo_failure_strain"), "{text}");
     let glass = [("youngs_modulus", E), ("poisson", 0.3), ("diem_ductile_displacement", 1.0)];
     let text = problems(&material("elastic", &glass, &[("diem_ductile", onset(0.0, 0.1))]));
     assert!(text.contains("no plastic strain"), "{text}");

@@ -16,7 +16,7 @@
 //! continuous at the volume of the start. Rates below the reference rate count as this rate.
 
 use super::super::parameters::Parameters;
-use super::super::{DefaultValue, Elastic, Law, SolidLawResult};
+use super::super::{DefaultValue, Law, SolidLawResult};
 use super::*;
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
@@ -52,8 +52,9 @@ pub const LAW: Law = Law {
         ),
         number(
             BULKING,
-            DefaultValue::Number(0.0),
-            "Fraction beta of the elastic energy lost by damage that becomes pressure.",
+            DefaultValue::Absent,
+            "Fraction beta of the elastic energy lost by damage that becomes pressure; without it \
+             none does.",
         ),
         DAMAGE_CONSTANTS,
         needed(
@@ -75,7 +76,7 @@ const BREAK: usize = 0;
 const BULK: usize = 1;
 
 struct Ceramic {
-    elastic: Elastic,
+    elastic: VolumeElastic,
     intact: [f64; 2],
     fractured: [f64; 2],
     largest: f64,
@@ -114,13 +115,16 @@ fn read(mut parameters: Parameters<'_>) -> Result<Ceramic, Vec<Problem>> {
     let bulking = table.optional(BULKING, "from 0 to 1", share).unwrap_or(0.0);
     let damage = constants(table, DAMAGE, "[D1, D2], D1 0 or above", |d| d[0] >= 0.0);
     let pressure = needed_constants(table, PRESSURE, "[K1, K2, K3], K1 above 0", |k| k[0] > 0.0);
+    if let Some(pressure) = pressure {
+        check_growth(table, pressure);
+    }
     let failure = FailureLimits::read(table, tension);
     parameters.finish()?;
     // The lists are there: else there were problems.
     let [hel, pressure_at_limit] = limit.unwrap_or_default();
     let pressure = pressure.unwrap_or_default();
     Ok(Ceramic {
-        elastic: elastic_of([pressure[0], shear], density),
+        elastic: VolumeElastic { bulk: pressure[0], shear, density },
         intact: intact.unwrap_or_default(),
         fractured,
         largest: largest.unwrap_or(f64::INFINITY),
@@ -150,11 +154,11 @@ impl Ceramic {
 
 impl PressureDependent for Ceramic {
     fn columns(&self) -> &'static [&'static str] {
-        &["volume strain", "stiffening", "plastic_strain", "failed", "damage", "bulking"]
+        &[VOLUME_COLUMN, "stiffening", "plastic_strain", "failed", "damage", "bulking"]
     }
 
-    fn elastic(&self) -> Elastic {
-        self.elastic
+    fn elastic(&self) -> &VolumeElastic {
+        &self.elastic
     }
 
     fn pressure(&self, own: &mut [f64], compaction: f64) -> VolumePressure {
@@ -179,7 +183,7 @@ impl PressureDependent for Ceramic {
             let after = if flow < (1.0 - before) * strain { before + flow / strain } else { 1.0 };
             own[BREAK] = after;
             let strengths = [before, after].map(|d| self.strength_with(d, pressure, rate).max(0.0));
-            let energy = strengths.map(|y| y * y / (6.0 * self.elastic.shear_modulus()));
+            let energy = strengths.map(|y| y * y / (6.0 * self.elastic.shear));
             let lost = self.bulking * (energy[0] - energy[1]);
             let linear = self.pressure[0] * compaction;
             let sum = linear + own[BULK];

@@ -8,15 +8,18 @@
 //! falls linearly to zero at `-T* (1 - D)`. The pressure has three ranges:
 //!
 //! - elastic up to the crushing point (mu_c, p_c);
-//! - pores are crushed on a line from there to the pressure p_l; unloading has a modulus between
-//!   the elastic one and K1, by the part of the line passed;
+//! - pores are crushed on a line from there to the pressure p_l; the modulus of unloading grows
+//!   from the elastic one to that with the work of the next range, by the part of the line passed;
 //! - without pores `K1 m + K2 m^2 + K3 m^3`, `m = (mu - mu_l)/(1 + mu_l)`, with mu_l of the solid
 //!   without pores. The line ends where this curve has p_l, as in the source.
+//!
+//! The source has K1 as the last modulus of unloading; then more work would come back just beyond
+//! the line than on it.
 //!
 //! Rates below the reference rate count as this rate.
 
 use super::super::parameters::Parameters;
-use super::super::{DefaultValue, Elastic, Law, SolidLawResult};
+use super::super::{DefaultValue, Law, SolidLawResult};
 use super::*;
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
@@ -55,12 +58,12 @@ pub const LAW: Law = Law {
         needed(
             CRUSHING,
             "[mu_c, p_c]",
-            "Compaction and pressure [force/length^2] at which pores begin to be crushed.",
+            "Compaction mu [-] and pressure [force/length^2] at which pores begin to be crushed.",
         ),
         needed(
             LOCKING,
             "[mu_l, p_l]",
-            "Compaction of the solid without pores when it is unloaded, and pressure at which all \
+            "Compaction mu [-] of the unloaded solid without pores, and pressure at which all \
              pores are crushed [force/length^2].",
         ),
         needed(
@@ -91,7 +94,7 @@ const BREAK: usize = 0;
 const MOST: usize = 1;
 
 struct PorousConcrete {
-    elastic: Elastic,
+    elastic: VolumeElastic,
     /// A, B, N.
     strength: [f64; 3],
     compressive: f64,
@@ -100,6 +103,8 @@ struct PorousConcrete {
     tension: f64,
     /// Compaction and pressure where the line begins and ends.
     line: [[f64; 2]; 2],
+    /// Moduli of unloading where the line begins and ends [force/length^2].
+    unloading: [f64; 2],
     /// Compaction of the unloaded solid without pores.
     locked: f64,
     pressure: [f64; 3],
@@ -150,12 +155,17 @@ fn read(mut parameters: Parameters<'_>) -> Result<PorousConcrete, Vec<Problem>> 
     let crushing = needed_constants(table, CRUSHING, "[mu_c, p_c], both above 0", positive);
     let locking = needed_constants(table, LOCKING, "[mu_l, p_l], both above 0", positive);
     let pressure = needed_constants(table, PRESSURE, "[K1, K2, K3], K1 above 0", |k| k[0] > 0.0);
-    let mut line = [[0.0; 2]; 2];
+    let (mut line, mut unloading) = ([[0.0; 2]; 2], [1.0; 2]);
     if let (Some(begin), Some([locked, full]), Some(constants)) = (crushing, locking, pressure) {
         match pressed_to(constants, full) {
             Some(m) => {
                 line = [begin, [locked + m * (1.0 + locked), full]];
-                check_line(table, line, constants[0]);
+                // Both ways from the end of the line give back the same work.
+                let [k1, k2, k3] = constants;
+                let work = m * m * (k1 / 2.0 + m * (k2 / 3.0 + m * k3 / 4.0)) * (1.0 + locked);
+                unloading = [begin[1] / begin[0], full * full / (2.0 * work)];
+                check_growth(table, constants);
+                check_line(table, line, unloading);
             }
             None => {
                 let what = format!("never gives the pressure {full}");
@@ -168,16 +178,21 @@ fn read(mut parameters: Parameters<'_>) -> Result<PorousConcrete, Vec<Problem>> 
     let least_strain = table.optional(LEAST, "0 or above", |e| e >= 0.0).unwrap_or(0.0);
     let failure = FailureLimits::read(table, tension);
     let wears = table.flag(WEARS);
+    if wears && tension == 0.0 {
+        let help = format!("give {TENSION} above 0, or remove it");
+        table.wrong(WEARS, "is set without a tensile strength", help);
+    }
     parameters.finish()?;
     // The lists are there: else there were problems.
     Ok(PorousConcrete {
-        elastic: elastic_of([line[0][1] / line[0][0], shear], density),
+        elastic: VolumeElastic { bulk: unloading[0], shear, density },
         strength: strength.unwrap_or_default(),
         compressive,
         largest: largest.unwrap_or(f64::INFINITY),
         rate,
         tension,
         line,
+        unloading,
         locked: locking.unwrap_or_default()[0],
         pressure: pressure.unwrap_or_default(),
         damage,
@@ -187,20 +202,25 @@ fn read(mut parameters: Parameters<'_>) -> Result<PorousConcrete, Vec<Problem>> 
     })
 }
 
-/// Checks that crushing goes forward, and that unloading is steeper than it.
-fn check_line(parameters: &mut Parameters<'_>, [begin, end]: [[f64; 2]; 2], k1: f64) {
+/// Checks that crushing goes forward, and that no more work can be taken out by unloading than
+/// crushing has put in: unloading is steeper than crushing and does not become softer.
+fn check_line(
+    parameters: &mut Parameters<'_>,
+    [begin, end]: [[f64; 2]; 2],
+    [elastic, locked]: [f64; 2],
+) {
     if end[0] <= begin[0] || end[1] <= begin[1] {
         let what = format!("is not beyond {CRUSHING}");
         parameters.wrong(LOCKING, what, "use a larger compaction and a larger pressure");
         return;
     }
     let slope = (end[1] - begin[1]) / (end[0] - begin[0]);
-    let elastic = begin[1] / begin[0];
-    if slope > elastic.min(k1) {
-        let what = format!("gives crushing the modulus {slope}, above those of unloading");
-        let help = format!(
-            "the elastic modulus p_c/mu_c is {elastic}, K1 is {k1}: crushing has to be softer"
+    if slope > elastic || locked < elastic {
+        let what = format!(
+            "gives crushing the modulus {slope}, and unloading {elastic} before and {locked} after"
         );
+        let help = "use constants with which the first is the least and the last the largest: the \
+                    second is p_c/mu_c, the third follows from K1, K2, K3";
         parameters.wrong(LOCKING, what, help);
     }
 }
@@ -212,7 +232,7 @@ impl PorousConcrete {
         let [begin, end] = self.line;
         let part = ((compaction - begin[0]) / (end[0] - begin[0])).clamp(0.0, 1.0);
         let between = |a: f64, b: f64| part.mul_add(b - a, a);
-        [between(begin[1], end[1]), between(begin[1] / begin[0], self.pressure[0])]
+        [between(begin[1], end[1]), between(self.unloading[0], self.unloading[1])]
     }
 
     /// Returns the plastic compaction after this largest compaction.
@@ -243,11 +263,11 @@ impl PorousConcrete {
 
 impl PressureDependent for PorousConcrete {
     fn columns(&self) -> &'static [&'static str] {
-        &["volume strain", "stiffening", "plastic_strain", "failed", "damage", "largest compaction"]
+        &[VOLUME_COLUMN, "stiffening", "plastic_strain", "failed", "damage", "largest compaction"]
     }
 
-    fn elastic(&self) -> Elastic {
-        self.elastic
+    fn elastic(&self) -> &VolumeElastic {
+        &self.elastic
     }
 
     fn pressure(&self, own: &mut [f64], compaction: f64) -> VolumePressure {
@@ -256,7 +276,7 @@ impl PressureDependent for PorousConcrete {
         let [begin, end] = self.line;
         let most = own[MOST];
         let [free, slope] = if most <= begin[0] {
-            let modulus = begin[1] / begin[0];
+            let modulus = self.unloading[0];
             [modulus * compaction, modulus]
         } else if most < end[0] {
             let [pressure, modulus] = self.crushed(most);

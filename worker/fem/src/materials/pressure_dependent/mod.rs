@@ -8,7 +8,8 @@
 //! same step, the plastic strain e and the shear modulus G. Flow keeps the volume. Each law has its
 //! pressure, its strength and its damage.
 //!
-//! Each lane is updated alone, in double precision.
+//! Each lane is updated alone. Elements of these laws compute in double precision, since a small
+//! increment of the volume changes the pressure by much.
 
 pub mod ceramic;
 pub mod concrete;
@@ -18,7 +19,7 @@ mod tests;
 
 use super::parameters::Parameters;
 use super::tensor::{deviator, inner};
-use super::{DefaultValue, Elastic, Form, ParameterRow, Solid, SolidPoint};
+use super::{DefaultValue, Elastic, Form, ParameterRow, Solid, SolidPoint, VOLUME_COLUMN};
 use crumple_math::lanes::{LANES, LANES32, Lane, Lane32, Lanes, Real};
 use crumple_proto::partition::Param;
 
@@ -129,11 +130,33 @@ fn needed_constants<const N: usize>(
     constants(parameters, key, wanted, fits)
 }
 
-/// Returns the elastic constants with this bulk modulus and this shear modulus [force/length^2].
-fn elastic_of([bulk, shear]: [f64; 2], density: f64) -> Elastic {
-    let youngs_modulus = 9.0 * bulk * shear / (3.0 * bulk + shear);
-    let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
-    Elastic { youngs_modulus, poisson, density }
+/// Elastic constants at the start. Young's modulus would round the bulk modulus.
+#[derive(Clone, Copy)]
+struct VolumeElastic {
+    /// Bulk modulus [force/length^2].
+    bulk: f64,
+    /// Shear modulus [force/length^2].
+    shear: f64,
+    density: f64,
+}
+
+impl VolumeElastic {
+    fn constants(&self) -> Elastic {
+        let &Self { bulk, shear, density } = self;
+        let youngs_modulus = 9.0 * bulk * shear / (3.0 * bulk + shear);
+        let poisson = (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear));
+        Elastic { youngs_modulus, poisson, density }
+    }
+}
+
+/// Reports constants of a pressure `K1 m + K2 m^2 + K3 m^3` that falls where m grows.
+fn check_growth(parameters: &mut Parameters<'_>, [k1, k2, k3]: [f64; 3]) {
+    // The slope is quadratic in m, with its least value at a positive m if K2 < 0.
+    let falls = k2 < 0.0 && 3.0 * k1 * k3 <= k2 * k2 || k2 >= 0.0 && k3 < 0.0;
+    if falls {
+        let help = "use constants whose slope K1 + 2 K2 m + 3 K3 m^2 stays above 0";
+        parameters.wrong(PRESSURE, "gives a pressure that falls in compression", help);
+    }
 }
 
 /// Effect of the strain rate on the strength: C and the reference rate.
@@ -164,6 +187,10 @@ impl FailureLimits {
     fn read(parameters: &mut Parameters<'_>, tension: f64) -> Self {
         let strain = parameters.optional(FAILURE, "above 0", |strain| strain > 0.0);
         let tears = parameters.flag(TEARS);
+        if tears && tension == 0.0 {
+            let help = format!("give {TENSION} above 0, or remove it");
+            parameters.wrong(TEARS, "is set without a tensile strength", help);
+        }
         Self {
             strain: strain.unwrap_or(f64::INFINITY),
             tension: if tears { tension } else { f64::INFINITY },
@@ -173,7 +200,7 @@ impl FailureLimits {
     /// Returns true at this plastic strain, and the pressure that the volume gives without a limit
     /// of tension [force/length^2].
     fn are_reached(&self, strain: f64, pressure: f64) -> bool {
-        strain >= self.strain || pressure <= -self.tension
+        strain >= self.strain || pressure < -self.tension
     }
 }
 
@@ -208,7 +235,7 @@ trait PressureDependent: Send + Sync {
     fn columns(&self) -> &'static [&'static str];
 
     /// Returns the elastic constants at the start.
-    fn elastic(&self) -> Elastic;
+    fn elastic(&self) -> &VolumeElastic;
 
     /// Returns the pressure at a compaction `rho/rho_0 - 1`.
     fn pressure(&self, own: &mut [f64], compaction: f64) -> VolumePressure;
@@ -224,20 +251,14 @@ trait PressureDependent: Send + Sync {
 
 /// Updates a point over a step `dt` [time]. Returns the von Mises stress over that of the elastic
 /// trial.
-fn update(
-    law: &impl PressureDependent,
-    elastic: &Elastic,
-    state: &mut [f64],
-    strain: &[f64; STRESS],
-    dt: f64,
-) -> f64 {
+fn update(law: &impl PressureDependent, state: &mut [f64], strain: &[f64; STRESS], dt: f64) -> f64 {
     if state[FAILED] >= 0.5 {
         state[..STRESS].fill(0.0);
         return 0.0;
     }
     state[VOLUME] += strain[0] + strain[1] + strain[2];
     let compaction = (-state[VOLUME]).exp_m1();
-    let g = elastic.shear_modulus();
+    let &VolumeElastic { bulk, shear: g, .. } = law.elastic();
     let increments = [0, 1, 2, 3, 4, 5].map(|c| if c < 3 { strain[c] } else { 0.5 * strain[c] });
     let shape = deviator(&increments);
     let before: [f64; STRESS] = std::array::from_fn(|c| state[c]);
@@ -252,8 +273,7 @@ fn update(
     let left = if mises > strength { strength / mises } else { 1.0 };
     let flow = (mises - strength).max(0.0) / (3.0 * g);
     common[PLASTIC] += flow;
-    let longitudinal = elastic.bulk_modulus() + 4.0 / 3.0 * g;
-    common[STIFFENING] = ((modulus - elastic.bulk_modulus()) / longitudinal).max(0.0);
+    common[STIFFENING] = ((modulus - bulk) / (bulk + 4.0 / 3.0 * g)).max(0.0);
     let plastic_strain = common[PLASTIC];
     let step = PointStep { compaction, free, pressure, flow, plastic_strain, rate };
     if law.advance(own, &step) {
@@ -275,7 +295,6 @@ fn each_lane<R: Real>(
     dt: f64,
     (count, lanes): (usize, impl Fn(&[f64; LANES32]) -> R),
 ) -> R {
-    let elastic = law.elastic();
     let columns = STRESS + law.columns().len();
     let mut after = [[0.0; LANES32]; COLUMNS];
     let mut left = [1.0; LANES32];
@@ -283,7 +302,7 @@ fn each_lane<R: Real>(
         let mut state: [f64; COLUMNS] =
             std::array::from_fn(|c| if c < columns { point.state[c].lane(lane) } else { 0.0 });
         let strain = std::array::from_fn(|c| point.strain[c].lane(lane));
-        left[lane] = update(law, &elastic, &mut state[..columns], &strain, dt);
+        left[lane] = update(law, &mut state[..columns], &strain, dt);
         (0..columns).for_each(|c| after[c][lane] = state[c]);
     }
     point.state.iter_mut().zip(&after).for_each(|(column, after)| *column = lanes(after));
@@ -295,7 +314,7 @@ impl<L: PressureDependent> Solid for L {
         self.columns()
     }
     fn elastic(&self) -> Elastic {
-        PressureDependent::elastic(self)
+        PressureDependent::elastic(self).constants()
     }
     fn averages_volume(&self) -> bool {
         false
@@ -308,6 +327,6 @@ impl<L: PressureDependent> Solid for L {
         each_lane(self, point, dt, (LANES32, |all: &[f64; LANES32]| Lane32::from_array(*all)))
     }
     fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
-        update(self, &PressureDependent::elastic(self), point.state, point.strain, dt)
+        update(self, point.state, point.strain, dt)
     }
 }

@@ -9,7 +9,7 @@
 
 use super::super::parameters::Parameters;
 use super::super::polyline::{Beyond, RampCurve};
-use super::super::{DefaultValue, Elastic, Law, SolidLawResult};
+use super::super::{DefaultValue, Law, SolidLawResult};
 use super::*;
 use crumple_proto::partition::Material;
 use crumple_proto::problem::Problem;
@@ -60,7 +60,7 @@ pub const LAW: Law = Law {
 const MOST: usize = 0;
 
 struct Soil {
-    elastic: Elastic,
+    elastic: VolumeElastic,
     yields: [f64; 3],
     curve: RampCurve,
     cutoff: f64,
@@ -101,22 +101,23 @@ fn read(mut parameters: Parameters<'_>) -> Result<Soil, Vec<Problem>> {
     parameters.finish()?;
     let curve = RampCurve::new(&points, 1.0, Beyond::Straight);
     let yields = yields.unwrap_or_default();
-    Ok(Soil { elastic: elastic_of([bulk, shear], density), yields, curve, cutoff, reversible })
+    let elastic = VolumeElastic { bulk, shear, density };
+    Ok(Soil { elastic, yields, curve, cutoff, reversible })
 }
 
 impl PressureDependent for Soil {
     fn columns(&self) -> &'static [&'static str] {
-        &["volume strain", "stiffening", "plastic_strain", "failed", "largest compaction"]
+        &[VOLUME_COLUMN, "stiffening", "plastic_strain", "failed", "largest volume strain"]
     }
 
-    fn elastic(&self) -> Elastic {
-        self.elastic
+    fn elastic(&self) -> &VolumeElastic {
+        &self.elastic
     }
 
     fn pressure(&self, own: &mut [f64], compaction: f64) -> VolumePressure {
         let strain = compaction.ln_1p();
         own[MOST] = own[MOST].max(strain);
-        let modulus = self.elastic.bulk_modulus();
+        let modulus = self.elastic.bulk;
         let from = if self.reversible { strain.max(0.0) } else { own[MOST] };
         let free = modulus.mul_add(strain - from, self.curve.at(from)[0]);
         VolumePressure { free, tension: self.cutoff, modulus }

@@ -10,7 +10,7 @@ fn list<const N: usize>(numbers: [f64; N]) -> Param {
 
 /// Compresses a cube on all sides to a compaction rho/rho_0 - 1.
 fn press(cube: &mut Cube, compaction: f64, steps: usize) {
-    let left = -(compaction.ln_1p() + cube.at("volume strain")) / 3.0 / steps as f64;
+    let left = -(compaction.ln_1p() + cube.at("logarithm of volume")) / 3.0 / steps as f64;
     (0..steps).for_each(|_| _ = cube.step([left, left, left, 0.0, 0.0, 0.0], 1.0));
 }
 
@@ -166,6 +166,15 @@ fn full(m: f64) -> f64 {
     FULL[0] * m + if m > 0.0 { FULL[1] * m * m + FULL[2] * m * m * m } else { 0.0 }
 }
 
+/// Modulus of unloading at the end of the line: that with the work of the curve, by a fine sum.
+fn last_modulus() -> f64 {
+    let end = (line_end() - LOCKS[0]) / (1.0 + LOCKS[0]);
+    let steps = 100_000;
+    let pressure = |k: usize| full(end * (k as f64 + 0.5) / steps as f64);
+    let work = (0..steps).map(pressure).sum::<f64>() * end / steps as f64 * (1.0 + LOCKS[0]);
+    LOCKS[1] * LOCKS[1] / (2.0 * work)
+}
+
 /// The compaction at the end of the line, by Newton's method.
 fn line_end() -> f64 {
     let mut m = LOCKS[1] / FULL[0];
@@ -180,7 +189,7 @@ fn line_end() -> f64 {
 #[test]
 fn concrete_is_crushed_and_locks() {
     let elastic = CRUSHES[1] / CRUSHES[0];
-    let end = line_end();
+    let (end, last) = (line_end(), last_modulus());
     let slope = (LOCKS[1] - CRUSHES[1]) / (end - CRUSHES[0]);
     let mut cube = Cube::new(&concrete(&[], &[]));
     let check = |cube: &Cube, exact: f64| {
@@ -198,7 +207,7 @@ fn concrete_is_crushed_and_locks() {
         let line = CRUSHES[1] + slope * (mu - CRUSHES[0]);
         check(&cube, line);
         let part = (mu - CRUSHES[0]) / (end - CRUSHES[0]);
-        let unloading = elastic + part * (FULL[0] - elastic);
+        let unloading = elastic + part * (last - elastic);
         press(&mut cube, mu - 1e-4, 10);
         check(&cube, line - unloading * 1e-4);
         let over = ((1.0 + mu - 1e-4) * unloading - elastic) / (elastic + 4.0 / 3.0 * CONCRETE_G);
@@ -262,10 +271,11 @@ fn concrete_has_damage_by_flow_and_by_crushing() {
     let mut cube = Cube::new(&concrete(&[], &damage));
     press(&mut cube, 0.03, 20_000);
     let (end, elastic) = (line_end(), CRUSHES[1] / CRUSHES[0]);
+    let last = last_modulus();
     let line = |mu: f64| {
         let part = (mu - CRUSHES[0]) / (end - CRUSHES[0]);
         let p = CRUSHES[1] + part * (LOCKS[1] - CRUSHES[1]);
-        (p, mu - p / (elastic + part * (FULL[0] - elastic)))
+        (p, mu - p / (elastic + part * (last - elastic)))
     };
     let steps = 20_000;
     let at = |k: usize| line(CRUSHES[0] + (0.03 - CRUSHES[0]) * k as f64 / steps as f64);
@@ -346,12 +356,17 @@ fn soil_is_compacted() {
     assert!((pressure(&cube) - 0.002).abs() < 1e-12);
 }
 
-/// Closed random paths never give energy, apart from that of bulking.
+/// Closed random paths never give energy, also less what the cube still stores at their end.
 #[test]
 fn closed_paths_of_these_laws_cost_work() {
     let damage = |d1: f64| [("damage", list([d1, 1.0]))];
-    let soft = [alumina(&[], &damage(0.02)), concrete(&[], &damage(0.04)), soil(&[], &[])];
-    for (law, size) in soft.iter().zip([1e-3, 2e-4, 5e-3]) {
+    let laws = [
+        (alumina(&[], &damage(0.02)), 1e-3, [K[0], ALUMINA_G]),
+        (concrete(&[], &damage(0.04)), 2e-4, [CRUSHES[1] / CRUSHES[0], CONCRETE_G]),
+        (concrete(&[], &damage(0.04)), 3e-3, [CRUSHES[1] / CRUSHES[0], CONCRETE_G]),
+        (soil(&[], &[]), 5e-3, [BULK, 0.1]),
+    ];
+    for (law, size, [bulk, shear]) in &laws {
         for seed in 0..20 {
             let mut cube = Cube::new(law);
             let mut noise = Noise(seed);
@@ -362,8 +377,38 @@ fn closed_paths_of_these_laws_cost_work() {
                     (0..40).for_each(|_| _ = cube.step(e.map(|e| sign * e), 1.0));
                 }
             }
-            assert!(cube.work > -1e-9, "{} {seed}: {}", law.law, cube.work);
+            // The moduli at the start are the least ones, so this is no less than what is stored.
+            let (mises, p) = (cube.von_mises(), pressure(&cube));
+            let stored = mises * mises / (6.0 * shear) + p * p / (2.0 * bulk);
+            let scale = stored.abs().max(1e-9);
+            assert!(cube.work > -1e-3 * scale, "{} {seed}: {} {stored}", law.law, cube.work);
         }
+    }
+}
+
+/// The work that crushing takes and unloading gives back: no cycle of compaction gives energy, also
+/// across the end of the line.
+#[test]
+fn cycles_of_compaction_cost_work() {
+    let law = concrete(&[], &[]);
+    let mut cube = Cube::new(&law);
+    let zero = |most: f64| {
+        let (end, last) = (line_end(), last_modulus());
+        let part = (most - CRUSHES[0]) / (end - CRUSHES[0]);
+        let p = CRUSHES[1] + part * (LOCKS[1] - CRUSHES[1]);
+        let elastic = CRUSHES[1] / CRUSHES[0];
+        most - p / (elastic + part * (last - elastic))
+    };
+    press(&mut cube, zero(0.05).max(0.0), 2000);
+    let mut before = 0.0;
+    for most in [0.05, 0.08, 0.1, 0.109, 0.1104, 0.1125, 0.12, 0.15] {
+        press(&mut cube, most, 4000);
+        let end = if most < line_end() { zero(most) } else { LOCKS[0] };
+        press(&mut cube, end, 4000);
+        // Without pores the pressure is that of the volume, and the cycle costs nothing.
+        assert!(cube.work > before - 1e-9, "{most}: {} {before}", cube.work);
+        assert!(pressure(&cube).abs() < 1e-6);
+        before = cube.work;
     }
 }
 
@@ -376,9 +421,18 @@ fn wrong_constants_are_refused() {
     let text = problems(&alumina(&[], &[("hugoniot_elastic_limit", list([1.0, 2.0]))]));
     assert!(text.contains("below the stress"), "{text}");
     let text = problems(&concrete(&[], &[("crushing_point", list([0.01, 0.016]))]));
-    assert!(text.contains("crushing has to be softer"), "{text}");
+    assert!(text.contains("the last the largest"), "{text}");
     let text = problems(&concrete(&[], &[("locking_point", list([0.1, 1e9]))]));
     assert!(text.contains("never gives the pressure"), "{text}");
+    let text = problems(&concrete(&[], &[("pressure", list([10.0, 0.0, 0.0]))]));
+    assert!(text.contains("the last the largest"), "{text}");
+    for law in [concrete, alumina] {
+        let text = problems(&law(&[], &[("pressure", list([85.0, -171.0, 100.0]))]));
+        assert!(text.contains("falls in compression"), "{text}");
+        let tears = [("fails_in_tension", Param::Flag(true))];
+        let text = problems(&law(&[("tensile_strength", 0.0)], &tears));
+        assert!(text.contains("without a tensile strength"), "{text}");
+    }
     let text = problems(&soil(&[("bulk_modulus", 0.1)], &[]));
     assert!(text.contains("at least the largest slope"), "{text}");
     let text = problems(&soil(&[], &[("pressure", table(&[[0.0, 0.1], [0.1, 0.2]]))]));
