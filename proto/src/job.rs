@@ -33,7 +33,10 @@ pub use belt::{
 };
 pub use checkpoint::{Checkpoint, Compression};
 pub use contact::{ContactInput, Interface};
-pub use discrete_beam::{AxisSpring, BeamAxis, DiscreteBeamInput, TurningNode};
+pub use discrete_beam::{
+    AxisSpring, BeamAxis, BeamFailure, BetweenCurvesSpring, DiscreteBeamInput, PermanentSetSpring,
+    TurningNode, YieldingSpring,
+};
 pub use failure_group::FailureGroupInput;
 pub use joint::{JointInput, JointKind, JointResistance};
 pub use loads::{

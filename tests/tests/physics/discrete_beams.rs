@@ -1,5 +1,6 @@
-//! Discrete beams compared with closed forms: frequencies, momentum, energy, the stable step, the
-//! same bits on any number of workers. Units of the closed forms.
+//! Discrete beams compared with closed forms: frequencies, momentum, energy, the stable step,
+//! springs that yield or unload by other curves, failure, the same bits on any number of workers.
+//! Units of the closed forms.
 
 use super::springs::{Balance, drift, model};
 use crumple::input::job::Model;
@@ -85,18 +86,117 @@ fn free_nodes_keep_momentum() {
                 spin = [0.1, -0.2, 0.3]\ncentre = [0.0, 0.0, 0.0]\n\
                 [[initial_velocity]]\nnodes = \"n2\"\nvelocity = [0.03, -0.2, 0.06]\n\
                 spin = [0.2, 0.1, 0.1]\ncentre = [1.0, 0.5, 0.2]\n";
-    for (turns_with, damping) in [("both", 0.0), ("both", 0.02), ("first", 0.02), ("second", 0.0)] {
+    for (turns_with, damping, along_line) in [
+        ("both", 0.0, false),
+        ("both", 0.02, false),
+        ("first", 0.02, false),
+        ("second", 0.0, false),
+        ("both", 0.0, true),
+        ("second", 0.02, true),
+    ] {
         let numbers = format!(
             "mass = 2.0\ninertia = 3.0\naxes = [[1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]\n\
-             turns_with = \"{turns_with}\"\n{}",
+             turns_with = \"{turns_with}\"\nalong_line = {along_line}\n{}",
             all(damping)
         );
         let nodes = [[0.0; 3], [1.0, 0.5, 0.2]];
         let model = job(nodes, &numbers, 30.0, ["safety = 0.1", rest]);
         let (worst, balance) = drift(&model);
-        assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "{turns_with}: round-off: {worst:?}");
-        assert!(balance < 1e-11, "{turns_with}, {damping}: {balance}");
+        let case = format!("{turns_with}, {damping}, {along_line}");
+        assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "{case}: round-off: {worst:?}");
+        assert!(balance < 1e-11, "{case}: {balance}");
     }
+}
+
+/// A mass m = 2 with the velocity 3 on the r axis of a beam, from x = 5. Returns its largest
+/// displacement, its velocity at the end, the internal energy there, and the largest error of the
+/// energy balance.
+fn swing(springs: &str, failure: &str, end_time: f64) -> [f64; 4] {
+    let numbers = format!("mass = 4.0\ninertia = 1.0\n{failure}{springs}");
+    let rest = format!("{HELD}[[initial_velocity]]\nnodes = \"n2\"\nvelocity = [3.0, 0.0, 0.0]\n");
+    let model =
+        job([[0.0; 3], [5.0, 0.0, 0.0]], &numbers, end_time, ["dt_max = 2e-4", rest.as_str()]);
+    let (mut most, mut balance) = (0.0f64, Balance::default());
+    let end = run_alone(&model, |e| {
+        most = most.max(e.nodes.x[1][0] - 5.0);
+        balance.record(e);
+    });
+    let internal = end.ledger.energies(&end.nodes, &end.blocks).values().internal;
+    [most, end.nodes.v[1][0], internal, balance.worst]
+}
+
+/// A mass with the energy 9 on four springs that keep a part of it.
+///
+/// Yielding at 3 + 2 p, k = 10: 9 = F^2/20 + 3 p + p^2, with the largest displacement p + F/k. It
+/// swings back by less than twice the force: the energy that it lost remains lost.
+///
+/// Between curves of the slopes 4 and 2 with lines of 8: it turns at x = `sqrt(18/4)`. It comes
+/// back with the area below the steep line, which meets 2 x at 2/3 of it, and below the curve.
+///
+/// With a permanent set of a quarter of x and the slope 4: the parabola gives F (3/4 x)/3 = x^2
+/// back, half of 2 x^2 = 9.
+#[test]
+fn springs_keep_the_area_between_their_curves() {
+    let near = |found: f64, exact: f64, what: &str| {
+        assert!((found / exact - 1.0).abs() < 1e-3, "{what}: {found} {exact}");
+    };
+    // (3 + 2 p)^2/20 + 3 p + p^2 = 9.
+    let law = "[part.discrete_beam.spring.yielding]\nstiffness = 10.0\n\
+               yield_force = [[0.0, 3.0], [1.0, 5.0]]";
+    let [a, b, c] = [0.2 + 1.0, 0.6 + 3.0, 0.45 - 9.0];
+    let p = ((b * b - 4.0f64 * a * c).sqrt() - b) / (2.0 * a);
+    let force = 3.0 + 2.0 * p;
+    let [most, v, internal, balance] = swing(&spring("r", law), "", 2.0);
+    near(most, p + force / 10.0, "yielding: largest displacement");
+    near(internal + v * v, 9.0, "yielding: energy");
+    assert!(balance < 1e-10, "round-off: {balance}");
+    assert!(v * v < force * force / 20.0 * 1.001, "{v}");
+
+    let law = "[part.discrete_beam.spring.between_curves]\n\
+               loading = [[-1.0, -1e-6], [0.0, 0.0], [1.0, 4.0]]\n\
+               unloading = [[-1.0, 0.0], [0.0, 0.0], [1.0, 2.0]]\nstiffness = 8.0";
+    let [most, v, internal, balance] = swing(&spring("r", law), "", 4.0);
+    let turn = f64::sqrt(4.5);
+    // The steep line ends at 4 x - 8 y = 2 (x - y): y = x/3.
+    let end = turn * 2.0 / 3.0;
+    let back = 0.5 * (4.0 * turn + 2.0 * end) * (turn - end) + end * end;
+    near(most, turn, "between curves: largest displacement");
+    near(v * v, back, "between curves: energy that comes back");
+    near(internal, 9.0 - back, "between curves: energy that is lost");
+    assert!(balance < 1e-10, "round-off: {balance}");
+
+    let law = "[part.discrete_beam.spring.permanent_set]\nfraction = 0.25\n\
+               loading = [[-1.0, -1e-6], [0.0, 0.0], [1.0, 4.0]]";
+    let [most, v, internal, balance] = swing(&spring("r", law), "", 4.0);
+    near(most, turn, "permanent set: largest displacement");
+    near(v * v, 4.5, "permanent set: energy that comes back");
+    near(internal, 4.5, "permanent set: energy that is lost");
+    assert!(balance < 1e-10, "round-off: {balance}");
+
+    let law = "[part.discrete_beam.spring.hysteresis]\n\
+               loading = [[-1.0, -1e-6], [0.0, 0.0], [1.0, 4.0]]\n\
+               unloading = [[0.0, 0.0], [1.0, 16.0]]";
+    let [_, v, internal, _] = swing(&spring("r", law), "", 4.0);
+    near(v * v, 9.0 / 4.0, "hysteresis: energy that comes back");
+    near(internal, 9.0 * 0.75, "hysteresis: energy that is lost");
+}
+
+/// A mass tears a spring of k = 4 at the displacement 1.5: it goes on with 9 - 4.5, the work that
+/// the spring took. The force of the last step is missing: 6 of it by 2e-4 v in 9, half of it, is
+/// 1e-4.
+#[test]
+fn a_beam_fails_within_a_step_of_its_limit() {
+    for limit in ["failure_tension = 1.5", "failure_force = 6.0"] {
+        let springs = spring("r", &format!("stiffness = 4.0\n{limit}"));
+        for failure in ["", "failure = \"any\"\n", "failure = \"by_sign\"\n"] {
+            let [_, v, internal, _] = swing(&springs, failure, 2.0);
+            assert!((v * v / 4.5 - 1.0).abs() < 5e-4, "{limit} {failure}: {v}");
+            assert!((internal / 4.5 - 1.0).abs() < 5e-4, "{limit} {failure}: {internal}");
+        }
+    }
+    let held = spring("r", "stiffness = 4.0\nfailure_tension = 2.2\nfailure_compression = 2.0");
+    let [most, ..] = swing(&held, "", 1.5);
+    assert!((most - f64::sqrt(4.5)).abs() < 1e-3, "it holds until it has turned: {most}");
 }
 
 /// The step is that of the softness 4/m, or 4/J: the smaller one. At 0.99 of it nothing grows.
@@ -138,7 +238,7 @@ fn bits_do_not_depend_on_workers() {
         .collect();
     for (n, (&node, &above)) in sheet.all().iter().zip(upper.all()).enumerate() {
         scene.spring(3, [node, ground[n]]);
-        scene.spring(4, [node, above]);
+        scene.spring(if n % 2 == 0 { 4 } else { 5 }, [node, above]);
     }
     scene.set_named("ground", &ground);
     scene.set_named("sheet", sheet.all());
@@ -152,8 +252,20 @@ fn bits_do_not_depend_on_workers() {
     ]);
     let second =
         of(&[("s", "stiffness = 0.01"), ("t", "damping = 1e-4"), ("rr", "damping = 1e-3")]);
+    // Beams that yield, follow their lines, and fail at the middle of the sheet.
+    let third = of(&[
+        (
+            "r",
+            "failure_tension = 3.0\nfailure_compression = 0.5\n\
+             yielding = { stiffness = 0.02, yield_force = [[0.0, 0.01], [1.0, 0.02]] }",
+        ),
+        ("s", "permanent_set = { loading = [[-1.0, -0.02], [1.0, 0.02]], fraction = 0.2 }"),
+        ("rs", "stiffness = 0.1\nfailure_force = 0.02\ninitial_displacement = 0.01"),
+    ]);
     scene.add(&format!(
-        "[[part]]\nid = 3\n[part.discrete_beam]\nmass = 1e-4\ninertia = 1e-3\n{first}\
+        "[[part]]\nid = 5\n[part.discrete_beam]\nmass = 1e-4\ninertia = 1e-3\n\
+         turns_with = \"first\"\nalong_line = true\n{third}\
+         [[part]]\nid = 3\n[part.discrete_beam]\nmass = 1e-4\ninertia = 1e-3\n{first}\
          [[part]]\nid = 4\n[part.discrete_beam]\nmass = 2e-4\ninertia = 2e-3\n\
          turns_with = \"second\"\naxes = [[1.0, 0.2, 0.0], [0.0, 1.0, 0.3]]\n{second}\
          [[rigid]]\nname = \"upper\"\nparts = [2]\n\

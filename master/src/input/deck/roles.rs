@@ -292,6 +292,23 @@ const ROLES: &[(&str, &str)] = &[
          mfails=q mfailt=q ufailr=l ufails=l ufailt=l tfailr=1 tfails=1 tfailt=1",
     ),
     (
+        "MAT_NONLINEAR_PLASTIC_DISCRETE_BEAM",
+        "ro=d tkr=k tks=k tkt=k rkr=q rks=q rkt=q tdr=c tds=c tdt=c rdr=s rds=s rdt=s \
+         lcpdr=#f:l:f lcpds=#f:l:f lcpdt=#f:l:f lcpmr=#f:1:q lcpms=#f:1:q lcpmt=#f:1:q ffailr=f \
+         ffails=f ffailt=f mfailr=q mfails=q mfailt=q ufailr=l ufails=l ufailt=l tfailr=1 tfails=1 \
+         tfailt=1 for=f fos=f fot=f mor=q mos=q mot=q",
+    ),
+    (
+        "MAT_GENERAL_NONLINEAR_6DOF_DISCRETE_BEAM",
+        "ro=d kt=k kr=q iunld=1 offset=1 dampf=1 iflag=1 lcidtr=#f:l:f lcidts=#f:l:f lcidtt=#f:l:f \
+         lcidrr=#f:1:q lcidrs=#f:1:q lcidrt=#f:1:q lcidtur=#f:l:f lcidtus=#f:l:f lcidtut=#f:l:f \
+         lcidrur=#f:1:q lcidrus=#f:1:q lcidrut=#f:1:q lcidtdr=#f:v:f lcidtds=#f:v:f lcidtdt=#f:v:f \
+         lcidrdr=#f:w:q lcidrds=#f:w:q lcidrdt=#f:w:q lcidter=#f:l:1 lcidtes=#f:l:1 lcidtet=#f:l:1 \
+         lcidrer=#f:1:1 lcidres=#f:1:1 lcidret=#f:1:1 utfailr=l utfails=l utfailt=l wtfailr=1 \
+         wtfails=1 wtfailt=1 fcrit=1 ucfailr=l ucfails=l ucfailt=l wcfailr=1 wcfails=1 wcfailt=1 \
+         iur=l ius=l iut=l iwr=1 iws=1 iwt=1 kts=k ktt=k krs=q krt=q",
+    ),
+    (
         "MAT_SPOTWELD",
         "ro=d e=p pr=1 sigy=p eh=p dt=t tfail=t efail=1 nrr=f nrs=f nrt=f mrr=q mss=q mtt=q nf=1",
     ),

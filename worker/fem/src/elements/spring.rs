@@ -20,9 +20,10 @@
 //! is below the length.
 
 mod maxwell;
-mod plastic;
+pub(super) mod plastic;
 #[cfg(test)]
 mod tests;
+pub(super) mod unloading;
 
 use self::maxwell::Maxwell;
 use self::plastic::Plastic;
@@ -60,7 +61,7 @@ const DIRECTION: usize = 3;
 const ENDS: usize = 2;
 
 /// Function of the elongation of springs, which may have a memory.
-trait SpringLaw: Send + Sync {
+pub(super) trait SpringLaw: Send + Sync {
     /// Returns the names of its history columns; all start at zero.
     fn names(&self) -> &'static [&'static str];
 
@@ -88,10 +89,10 @@ impl SpringLaw for PiecewiseLinear {
 }
 
 /// Reports a problem of a part: the key, what is wrong, and what to do.
-type AddSpringProblem<'a> = dyn FnMut(&str, String, &str) + 'a;
+pub(super) type AddSpringProblem<'a> = dyn FnMut(&str, String, &str) + 'a;
 
 /// Result of a row of [`LAWS`]; `None` if the law reported problems.
-type SpringLawResult = Option<Box<dyn SpringLaw>>;
+pub(super) type SpringLawResult = Option<Box<dyn SpringLaw>>;
 
 /// Builds a law with a memory if its key is given.
 type SpringConstructor = fn(&SpringInput, &mut AddSpringProblem<'_>) -> Option<SpringLawResult>;
@@ -106,7 +107,7 @@ const LAWS: &[(&str, SpringConstructor)] = &[
     ("maxwell", |input, say| Some(boxed(Maxwell::new(input.maxwell.as_ref()?, say)))),
 ];
 
-fn boxed(law: Option<impl SpringLaw + 'static>) -> SpringLawResult {
+pub(super) fn boxed(law: Option<impl SpringLaw + 'static>) -> SpringLawResult {
     Some(Box::new(law?))
 }
 
@@ -233,7 +234,7 @@ pub(super) fn force_line(
 }
 
 /// Reports a number that is not in its range, or not finite. Returns true if it is.
-fn number(
+pub(super) fn number(
     key: &str,
     value: f64,
     range: &str,

@@ -125,6 +125,8 @@ pub struct DeckConverter {
     belts: belts::DeckBelts,
     /// Parts of discrete beams; true if their section has a coordinate system.
     discrete_beam_parts: BTreeMap<u32, bool>,
+    /// Those whose axes lie along the line between the nodes.
+    beams_along_lines: BTreeSet<u32>,
     /// Preloads of parts of beams.
     preloads: BTreeMap<i64, preloads::DeckPreload>,
     /// Parts of beams that need no orientation.
@@ -302,6 +304,7 @@ impl DeckConverter {
             discrete_beam_laws: BTreeMap::new(),
             belts: belts::DeckBelts::default(),
             discrete_beam_parts: BTreeMap::new(),
+            beams_along_lines: BTreeSet::new(),
             preloads: BTreeMap::new(),
             round_parts: BTreeSet::new(),
             truss_parts: BTreeSet::new(),

@@ -69,6 +69,11 @@ impl JobTable {
         self.entries.contains_key(key)
     }
 
+    /// Returns true if the table has no keys.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
     /// Returns true if the table has a key that begins so.
     pub fn has_start(&self, start: &str) -> bool {
         self.entries.keys().any(|key| key.starts_with(start))

@@ -54,7 +54,7 @@ pub fn write(
             continue;
         }
         if let Some(beam) = &part.discrete_beam {
-            discrete_beams::part(deck, part, beam, next);
+            discrete_beams::part(deck, part, beam, next)?;
             next += 1;
             continue;
         }

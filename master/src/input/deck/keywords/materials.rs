@@ -359,9 +359,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("for:r fos:r fot:r mor:r mos:r mot:r", Maybe),
         ],
         "`discrete_beam.spring` of parts with elform 6: stiffness and damping along and about the \
-         axes r, s, t",
-    )
-    .unused(&[refused("for fos fot mor mos mot", "a preload")]),
+         axes r, s, t, and preloads",
+    ),
     spring(
         "MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM",
         &["MAT_067", "MAT_67"],
@@ -374,14 +373,54 @@ pub const KEYWORDS: &[Keyword] = &[
             ("ufailr:r ufails:r ufailt:r tfailr:r tfails:r tfailt:r", Maybe),
         ],
         "the same with curves over displacement, angle and their rates; a curve that begins at the \
-         origin acts alike in both directions",
+         origin acts alike in both directions. Failure by forces (ffailr...) or by displacements \
+         (ufailr...): each when the sum of the squares of the ratios to the limits reaches 1",
+    ),
+    spring(
+        "MAT_NONLINEAR_PLASTIC_DISCRETE_BEAM",
+        &["MAT_068", "MAT_68"],
+        &[
+            SPRING_TITLE,
+            ("mid:i! ro:r! tkr:r tks:r tkt:r rkr:r rks:r rkt:r", Once),
+            ("tdr:r tds:r tdt:r rdr:r rds:r rdt:r", Maybe),
+            ("lcpdr:i lcpds:i lcpdt:i lcpmr:i lcpms:i lcpmt:i", Maybe),
+            ("ffailr:r ffails:r ffailt:r mfailr:r mfails:r mfailt:r", Maybe),
+            ("ufailr:r ufails:r ufailt:r tfailr:r tfails:r tfailt:r", Maybe),
+            ("for:r fos:r fot:r mor:r mos:r mot:r", Maybe),
+        ],
+        "the same with `yielding` on axes with a curve of yield forces over plastic displacement \
+         (lcpdr...), which is the sum of that in both directions; a curve without negative \
+         displacements acts alike in both. Other axes are linear. Failure as of \
+         MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM",
+    ),
+    spring(
+        "MAT_GENERAL_NONLINEAR_6DOF_DISCRETE_BEAM",
+        &["MAT_119"],
+        &[
+            SPRING_TITLE,
+            ("mid:i! ro:r! kt:r kr:r iunld:i offset:r dampf:r iflag:i", Once),
+            ("lcidtr:i lcidts:i lcidtt:i lcidrr:i lcidrs:i lcidrt:i", Maybe),
+            ("lcidtur:i lcidtus:i lcidtut:i lcidrur:i lcidrus:i lcidrut:i", Maybe),
+            ("lcidtdr:i lcidtds:i lcidtdt:i lcidrdr:i lcidrds:i lcidrdt:i", Maybe),
+            ("lcidter:i lcidtes:i lcidtet:i lcidrer:i lcidres:i lcidret:i", Maybe),
+            ("utfailr:r utfails:r utfailt:r wtfailr:r wtfails:r wtfailt:r fcrit:r", Maybe),
+            ("ucfailr:r ucfails:r ucfailt:r wcfailr:r wcfails:r wcfailt:r", Maybe),
+            ("iur:r ius:r iut:r iwr:r iws:r iwt:r", Maybe),
+            ("kts:r ktt:r krs:r krt:r", Maybe),
+        ],
+        "the same with curves of loading: iunld 0 elastic, 1 `hysteresis` with the curve of \
+         unloading, 2 `between_curves` with the stiffness kt or kr, 3 `permanent_set` with the \
+         fraction offset. Curves continue beyond their ends. Failure by displacements: fcrit 0 a \
+         sum for tension and one for compression, 1 one sum for both",
     )
     .unused(&[
-        refused("for fos fot mor mos mot", "a preload"),
+        ignored("dampf", "no damping is added for stability: the step has its limit"),
+        refused("iflag", "forces over strains, or of frames that buckle"),
         refused(
-            "ffailr ffails ffailt mfailr mfails mfailt ufailr ufails ufailt tfailr tfails tfailt",
-            "failure of discrete beams",
+            "lcidter lcidtes lcidtet lcidrer lcidres lcidret",
+            "damping that depends on the displacement",
         ),
+        refused("kts ktt krs krt", "a stiffness of unloading for each axis"),
     ]),
     spring(
         "MAT_GENERAL_SPRING_DISCRETE_BEAM",
@@ -403,14 +442,16 @@ pub const KEYWORDS: &[Keyword] = &[
             AXIS_CURVES,
         ],
         "the same with a card for each axis (dof 1 to 6): type 0, with the stiffness k or the \
-         curve flcid, as of MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM, and the damping d; type 1 \
-         (plastic) is not supported",
+         curve flcid, as of MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM; type 1: `yielding` with the \
+         stiffness k and the curve flcid of yield forces over plastic displacement, as of \
+         MAT_NONLINEAR_PLASTIC_DISCRETE_BEAM, or elastic without the curve. The damping is d and the curve hlcid. A beam fails \
+         when one axis reaches its limit: tdf, or cdf for negative displacements",
     )
     .unused(&[
         no_effect("unused1 unused2 unused3 unused4", "no field of the format"),
-        no_effect("mdfail dospot", "they are for failure"),
-        refused("cdf tdf", "failure of discrete beams"),
-        refused("hlcid c1 c2 glcid", "forces that depend on the rate of the displacement"),
+        refused("mdfail", "a rule of failure for several axes"),
+        ignored("dospot", "shells that are tied to the beams keep their thickness"),
+        refused("c1 c2 glcid", "a stiffness or damping that depends on rate and displacement"),
         no_effect("dle", "it is for c1 and c2"),
     ]),
     Keyword::new(

@@ -99,8 +99,9 @@ pub const KEYWORDS: &[Keyword] = &[
          times the area. elform 2 and 13: `general`, elastic, with a, iss, itt, j and the shear \
          area sa. elform 3: `[part.truss]` with the area a. elform 6: `[part.discrete_beam]` with \
          the mass ro vol, the inertia iner and the axes of cid (without it the global ones); scoor \
-         -1 and -3 turn the axes with the first node, 1 and 3 with the second, 0 with both; other \
-         values of scoor are not supported for it, and other elforms do not use scoor",
+         -1, -2 and -3 turn the axes with the first node, 1, 2 and 3 with the second, 0 with both; \
+         with -2 and 2 r lies along the line between the nodes (`along_line`), for springs that \
+         are alike on s and t; other elforms do not use scoor",
     )
     .unused(&[
         no_effect("ca offset", "they are for cables"),

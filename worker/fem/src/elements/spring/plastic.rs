@@ -16,7 +16,10 @@
 //! of b and a, and yields at these elongations. All of it depends on the elongation only, so a step
 //! of any size is exact. With isotropic hardening a yield force F makes b (or a) at least as large
 //! as the abscissa where `f_l` reaches -F: for two slopes this is linear isotropic hardening (Simo
-//! & Hughes 1998, sec. 1.2).
+//! & Hughes 1998, sec. 1.2). A yield curve `F_y(p)` over the plastic elongation p, accumulated in
+//! both directions, is the loading curve with the points `[p + F_y/k, F_y]` and straight unloading
+//! of the slope k. A yield force moves b (or a) to the abscissa with the same p, so that the curve
+//! may fall: `p = |a| - |f_l(a)|/k`.
 //!
 //! While it yields, `d` grows by `(1 - f_l'/f_u') ds`. The dissipated power `F dd/dt` is not
 //! negative as long as `f_l' <= f_u'` at equal forces; other curves are refused.
@@ -29,6 +32,7 @@ use super::{AddSpringProblem, SpringLaw, number, points};
 use crate::piecewise_linear::PiecewiseLinear;
 use crumple_proto::job::{
     ElastoplasticSpring, HysteresisSpring, OneSidedSpring, SpringHardening, SpringSide,
+    YieldingSpring,
 };
 
 /// Columns: 1 if it has yielded, else 0; d; a and b [length].
@@ -48,8 +52,16 @@ pub struct Plastic {
     unloaded: PiecewiseLinear,
     /// First values of a and b [length].
     first: [f64; 2],
-    isotropic: bool,
+    coupling: SideCoupling,
     carries: Option<SpringSide>,
+}
+
+/// Effect of yielding in tension on compression, and the reverse.
+enum SideCoupling {
+    Independent,
+    Isotropic,
+    /// Both have the same plastic elongation: a and b over it.
+    Accumulated([PiecewiseLinear; 2]),
 }
 
 impl Plastic {
@@ -76,7 +88,56 @@ impl Plastic {
         let loading = [beyond.map(|x| -x), [-at, -yield_force], [at, yield_force], beyond];
         let loading = PiecewiseLinear::new(&loading, 0.0);
         let unloading = PiecewiseLinear::new(&[], stiffness);
-        Some(Self { first: [at, -at], isotropic: true, ..Self::new(loading, unloading) })
+        let coupling = SideCoupling::Isotropic;
+        Some(Self { first: [at, -at], coupling, ..Self::new(loading, unloading) })
+    }
+
+    /// Builds a spring with a yield force over plastic elongation, or reports what is wrong.
+    pub fn yielding(input: &YieldingSpring, say: &mut AddSpringProblem<'_>) -> Option<Self> {
+        let YieldingSpring { stiffness, yield_force } = input;
+        let (stiffness, key) = (*stiffness, "yielding.yield_force");
+        let mut sound = number("yielding.stiffness", stiffness, "above 0", |k| k > 0.0, say);
+        sound &= points(key, yield_force, say);
+        if !sound {
+            return None;
+        }
+        let sides = [1.0, -1.0].map(|side| side_of(yield_force, side));
+        for side in &sides {
+            if let Some([at, _]) = side.iter().find(|p| p[1] < 0.0) {
+                let what = format!("yield_force has the wrong sign at {at:?}");
+                say(key, what, "give forces with the sign of the plastic elongation");
+                return None;
+            }
+            if side.iter().all(|p| p[1] == 0.0) {
+                say(key, "yield_force is zero".into(), "give forces other than 0");
+                return None;
+            }
+            if side.windows(2).any(|p| p[1][1] - p[0][1] <= -stiffness * (p[1][0] - p[0][0])) {
+                let help = "give a curve that falls less steeply, or a larger stiffness";
+                say(key, "yield_force falls as steeply as `stiffness`".into(), help);
+                return None;
+            }
+        }
+        let abscissae = [(0, 1.0), (1, -1.0)].map(|(k, sign): (usize, f64)| {
+            let at = |&[p, force]: &[f64; 2]| [p, sign * (p + force / stiffness)];
+            PiecewiseLinear::new(&sides[k].iter().map(at).collect::<Vec<_>>(), 0.0)
+        });
+        let on_curve = |k: usize, sign: f64| -> Vec<[f64; 2]> {
+            let points = sides[k].iter().zip(abscissae[k].points());
+            points.map(|(own, at)| [at[1], sign * own[1]]).collect()
+        };
+        let mut curve: Vec<[f64; 2]> = on_curve(1, -1.0).into_iter().rev().collect();
+        curve.extend(on_curve(0, 1.0));
+        curve.dedup_by(|next, last| next[0] == last[0]);
+        let first = [abscissae[0].value(0.0), abscissae[1].value(0.0)];
+        let unloading = PiecewiseLinear::new(&[], stiffness);
+        let coupling = SideCoupling::Accumulated(abscissae);
+        Some(Self { first, coupling, ..Self::new(PiecewiseLinear::new(&curve, 0.0), unloading) })
+    }
+
+    /// Returns the forces at which it yields first, in compression and in tension.
+    pub fn first_yield(&self) -> [f64; 2] {
+        [self.first[1], self.first[0]].map(|at| self.loading.value(at))
     }
 
     /// Builds a spring with two curves, or reports what is wrong.
@@ -112,7 +173,8 @@ impl Plastic {
                 "it would give back more energy than it took: give a steeper unloading curve",
             );
         }
-        let mut spring = Self { isotropic, ..Self::new(loading, unloading) };
+        let coupling = if isotropic { SideCoupling::Isotropic } else { SideCoupling::Independent };
+        let mut spring = Self { coupling, ..Self::new(loading, unloading) };
         match yield_forces {
             Some(_) if !isotropic => refuse(
                 "yield_forces",
@@ -183,7 +245,8 @@ impl Plastic {
 
     fn new(loading: PiecewiseLinear, unloading: PiecewiseLinear) -> Self {
         let unloaded = unloading.inverse();
-        Self { loading, unloading, unloaded, first: [0.0; 2], isotropic: false, carries: None }
+        let coupling = SideCoupling::Independent;
+        Self { loading, unloading, unloaded, first: [0.0; 2], coupling, carries: None }
     }
 
     /// Returns the yield force in tension (a >= 0) or compression that belongs to an abscissa of
@@ -234,10 +297,19 @@ impl SpringLaw for Plastic {
             true => self.yield_force(tension, true),
             false => self.yield_force(compression, false),
         };
-        if self.isotropic && force >= 0.0 {
-            compression = compression.min(self.loading.first_at(-force));
-        } else if self.isotropic {
-            tension = tension.max(self.loading.first_at(-force));
+        match &self.coupling {
+            SideCoupling::Independent => {}
+            SideCoupling::Isotropic if beyond > 0.0 => {
+                compression = compression.min(self.loading.first_at(-force));
+            }
+            SideCoupling::Isotropic => tension = tension.max(self.loading.first_at(-force)),
+            SideCoupling::Accumulated(abscissae) => {
+                let unloaded = self.unloaded.value(force.abs());
+                match beyond > 0.0 {
+                    true => compression = abscissae[1].value(tension - unloaded),
+                    false => tension = abscissae[0].value(-compression - unloaded),
+                }
+            }
         }
         state[YIELDED] = 1.0;
         state[SHIFT] = way - self.unloaded.value(force);
@@ -250,9 +322,33 @@ impl SpringLaw for Plastic {
     }
 }
 
+/// Returns a side (1 tension, -1 compression) of a curve of yield forces as points of positive
+/// numbers from 0 on, without forces below zero at its end. A curve without negative plastic
+/// elongations is the same on both sides. Where a curve changes its sign at 0 both sides begin at
+/// or above zero.
+fn side_of(curve: &[[f64; 2]], side: f64) -> Vec<[f64; 2]> {
+    let sign = if curve[0][0] < 0.0 { side } else { 1.0 };
+    let line = PiecewiseLinear::new(curve, 0.0);
+    let own = curve.iter().filter(|p| sign * p[0] > 0.0).map(|p| p.map(|x| sign * x));
+    let mut points: Vec<[f64; 2]> = own.collect();
+    if sign < 0.0 {
+        points.reverse();
+    }
+    let start = sign * line.value(0.0);
+    points.insert(0, [0.0, if curve[0][0] < 0.0 { start.max(0.0) } else { start }]);
+    let slope = line.slope(sign * f64::INFINITY);
+    let [mut at, mut force] = points[points.len() - 1];
+    if slope < 0.0 && force > 0.0 {
+        (at, force) = (at - force / slope, 0.0);
+        points.push([at, force]);
+    }
+    points.push([at + 1.0, force + slope.max(0.0)]);
+    points
+}
+
 /// Returns the error in a loading curve, if any: it passes through the origin, and its forces have
 /// the sign of the elongation.
-fn loading_fault(loading: &PiecewiseLinear) -> Option<String> {
+pub(super) fn loading_fault(loading: &PiecewiseLinear) -> Option<String> {
     let largest = loading.points().iter().map(|p| p[1].abs()).fold(0.0, f64::max);
     let at_origin = loading.value(0.0);
     if at_origin.abs() > 1e-9 * largest {

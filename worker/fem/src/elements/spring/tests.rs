@@ -1,9 +1,10 @@
 //! Laws of springs against closed forms, and the step at which a mode begins to grow.
 
+use super::unloading::{BetweenCurves, PermanentSet};
 use super::*;
 use crumple_proto::job::{
-    ElastoplasticSpring, HysteresisSpring, MaxwellSpring, OneSidedSpring, SpringHardening,
-    SpringSide,
+    BetweenCurvesSpring, ElastoplasticSpring, HysteresisSpring, MaxwellSpring, OneSidedSpring,
+    PermanentSetSpring, SpringHardening, SpringSide, YieldingSpring,
 };
 
 /// Checks the amplification polynomial: at the stable step a mode grows at most linearly, just
@@ -89,11 +90,47 @@ fn maxwell(ageing: bool, cutoff_time: Option<f64>) -> SpringInput {
     SpringInput { maxwell: Some(law), ..SpringInput::default() }
 }
 
+/// Returns what a constructor builds, or what it says.
+fn built(
+    build: impl FnOnce(&mut AddSpringProblem<'_>) -> SpringLawResult,
+) -> Result<Box<dyn SpringLaw>, String> {
+    let mut said = Vec::new();
+    let law = build(&mut |key: &str, what: String, _: &str| said.push(format!("{key}: {what}")));
+    law.ok_or(said.join("\n"))
+}
+
+fn yielding(yield_force: &[[f64; 2]]) -> Result<Box<dyn SpringLaw>, String> {
+    let input = YieldingSpring { stiffness: 10.0, yield_force: yield_force.to_vec() };
+    built(|say| boxed(Plastic::yielding(&input, say)))
+}
+
+fn between_curves(
+    loading: &[[f64; 2]],
+    unloading: &[[f64; 2]],
+    stiffness: f64,
+) -> Result<Box<dyn SpringLaw>, String> {
+    let [loading, unloading] = [loading, unloading].map(<[_]>::to_vec);
+    let input = BetweenCurvesSpring { loading, unloading, stiffness };
+    built(|say| boxed(BetweenCurves::new(&input, say)))
+}
+
+fn permanent_set(loading: &[[f64; 2]], fraction: f64) -> Result<Box<dyn SpringLaw>, String> {
+    let input = PermanentSetSpring { loading: loading.to_vec(), fraction };
+    built(|say| boxed(PermanentSet::new(&input, say)))
+}
+
+/// Slopes 4 and 1 in tension, 2 in compression; half of the forces for unloading.
+const LOADING: [[f64; 2]; 4] = [[-2.0, -4.0], [0.0, 0.0], [1.0, 4.0], [3.0, 6.0]];
+const HALF: [[f64; 2]; 4] = [[-2.0, -2.0], [0.0, 0.0], [1.0, 2.0], [3.0, 3.0]];
+
 /// Checks the force at each elongation of a path, which is reached from the one before it in one
 /// step and in a hundred. The closed forms are exact, so the error is that of rounding.
 fn follows(input: &SpringInput, path: &[[f64; 2]]) {
+    law_follows(&*law_of(input).expect("a sound spring"), path);
+}
+
+fn law_follows(law: &dyn SpringLaw, path: &[[f64; 2]]) {
     for steps in [1, 100] {
-        let law = law_of(input).expect("a sound spring");
         let mut state = vec![0.0; law.names().len()];
         let mut from = 0.0;
         for &[to, exact] in path {
@@ -212,6 +249,124 @@ fn maxwell_springs_relax_exponentially() {
     }
 }
 
+/// k = 10, `F_y = 3 + 2 p`: at 1 it has yielded by p = 7/12 and has 25/6. Turned around, it yields
+/// at -25/6 (at 1/6), and has `-(3 + 2 p)` with 10 (s - 7/12 + q) and p = 7/12 + q after: at -1, 10
+/// (-19/12 + q) = -25/6 - 2 q, so that q = 35/36.
+#[test]
+fn yield_forces_follow_the_plastic_elongation_of_both_directions() {
+    let linear = yielding(&[[0.0, 3.0], [1.0, 5.0]]).expect("a law");
+    let (p, q) = (7.0 / 12.0, 35.0 / 36.0);
+    let turned = -(3.0 + 2.0 * (p + q));
+    let path = [
+        [0.2, 2.0],
+        [1.0, 25.0 / 6.0],
+        [0.6, 1.0 / 6.0],
+        [1.0 / 6.0, -25.0 / 6.0],
+        [-1.0, turned],
+        [-1.0 - 2.0 * turned / 10.0, -turned],
+    ];
+    law_follows(&*linear, &path);
+    // The same as bilinear plasticity with k_t = 10 2/(10 + 2).
+    law_follows(&*law_of(&elastoplastic(10.0 / 6.0)).expect("a law"), &path);
+}
+
+/// k = 10. Tension falls from 4 to 1 while p grows to 1, and to zero at 4/3; compression stays at
+/// 6. At s = 0.8 p = 4/7 with 10 (s - p) = 4 - 3 p. Compression by p = 1/2 more, 15/14 in all,
+/// leaves 4 - 45/14 to tension. A force of zero remains.
+#[test]
+fn yield_forces_may_fall_on_one_side() {
+    let law = yielding(&[[-1.0, -6.0], [-1e-9, -6.0], [1e-9, 4.0], [1.0, 1.0]]).expect("a law");
+    let p = 4.0 / 7.0;
+    let path = [
+        [0.1, 1.0],
+        [0.8, 4.0 - 3.0 * p],
+        [p - 0.6, -6.0],
+        [p - 0.6 - 0.5, -6.0],
+        [p - 0.5 + 0.1 * (4.0 - 45.0 / 14.0), 4.0 - 45.0 / 14.0],
+        [p + 5.0, 0.0],
+        [p + 4.5, -5.0],
+    ];
+    // The curve has its jump at 0 within 1e-9: forces are off by its slope of 3 there.
+    let mut state = vec![0.0; law.names().len()];
+    for [way, exact] in path {
+        let force = law.force(&mut state, way, 0.1);
+        assert!((force - exact).abs() < 1e-7, "{way}: {force} {exact}");
+    }
+}
+
+/// K = 8 between slopes of 4 and 2 (after 1: 1 and 0.5) in tension, 2 and 1 in compression: from 5
+/// at 2 it falls to the lower curve, 2.3 at 1.6 (5 - 8 0.4 is less), follows it, and rises to the
+/// upper one, 4.5 at 1.5.
+#[test]
+fn a_force_between_curves_goes_from_one_to_the_other() {
+    let law = between_curves(&LOADING, &HALF, 8.0).expect("a law");
+    let path = [
+        [2.0, 5.0],
+        [1.75, 3.0],
+        [1.9, 4.2],
+        [1.75, 3.0],
+        [1.6, 2.3],
+        [1.0, 2.0],
+        [1.125, 3.0],
+        [1.5, 4.5],
+        [0.5, 1.0],
+        [-1.0, -2.0],
+        [-0.9375, -1.5],
+        [-0.8, -0.8],
+        [0.5, 2.0],
+    ];
+    law_follows(&*law, &path);
+    // A loop to 1 and back takes the area between the curves, less that of the steep line.
+    let mut state = vec![0.0; 2];
+    let (mut work, mut before) = (0.0, 0.0);
+    let steps = 100_000;
+    for k in 1..=2 * steps {
+        let way = 1.0 - (1.0 - f64::from(k) / f64::from(steps)).abs();
+        let force = law.force(&mut state, way, 0.1);
+        work += 0.5 * (before + force) * if k <= steps { 1.0 } else { -1.0 } / f64::from(steps);
+        before = force;
+    }
+    // From 4 at 1 with the slope 8 to 2 s at 2/3: a triangle of the height 1/3 and the side 2.
+    let exact = 0.5 * 4.0 - 0.5 * 2.0 - 0.5 * 2.0 / 3.0;
+    assert!((work - exact).abs() < 1e-4, "corners within steps of 1e-5: {work} {exact}");
+}
+
+/// Unloaded from 2 with the fraction 0.25 it has its set at 0.5 and `5 ((s - 0.5)/1.5)^2`; loaded
+/// again it is the same to 2, and then the curve. Compression has its own set.
+#[test]
+fn a_permanent_set_is_a_fraction_of_the_largest_elongation() {
+    let law = permanent_set(&LOADING, 0.25).expect("a law");
+    let at = |s: f64| 5.0 * (s - 0.5) * (s - 0.5) / 2.25;
+    let path = [
+        [0.5, 2.0],
+        [2.0, 5.0],
+        [1.5, at(1.5)],
+        [0.6, at(0.6)],
+        [0.5, 0.0],
+        [0.25, 0.0],
+        [-1.0, -2.0],
+        [-0.625, -0.5],
+        [-0.25, 0.0],
+        [1.0, at(1.0)],
+        [3.0, 6.0],
+    ];
+    law_follows(&*law, &path);
+}
+
+/// The laws of discrete beams.
+fn laws_of_beams() -> Vec<Box<dyn SpringLaw>> {
+    let all = [
+        yielding(&[[0.0, 3.0], [1.0, 5.0]]),
+        yielding(&[[0.0, 3.0], [0.5, 3.0], [1.0, 5.0]]),
+        yielding(&[[-1.0, -6.0], [-1e-3, -6.0], [1e-3, 4.0], [1.0, 1.0]]),
+        between_curves(&LOADING, &HALF, 8.0),
+        between_curves(&LOADING, &LOADING, 4.0),
+        permanent_set(&LOADING, 0.25),
+        permanent_set(&LOADING, 0.0),
+    ];
+    all.into_iter().map(|law| law.expect("a sound spring")).collect()
+}
+
 fn all_laws() -> Vec<SpringInput> {
     vec![
         elastoplastic(2.0),
@@ -225,13 +380,18 @@ fn all_laws() -> Vec<SpringInput> {
     ]
 }
 
+/// All laws with a memory.
+fn every_law() -> Vec<Box<dyn SpringLaw>> {
+    let of_springs = all_laws().into_iter().map(|input| law_of(&input).expect("a sound spring"));
+    of_springs.chain(laws_of_beams()).collect()
+}
+
 /// On a random path from rest the work done on a spring never becomes negative: what it stores
 /// and what it dissipates are not. The steps are short against the pieces of the curves; the
 /// trapezoidal rule misses less than 1e-3 at their corners.
 #[test]
 fn no_spring_gives_back_more_work_than_it_took() {
-    for (number, input) in all_laws().iter().enumerate() {
-        let law = law_of(input).expect("a sound spring");
+    for (number, law) in every_law().iter().enumerate() {
         let mut random = 12345u64 + number as u64;
         for _ in 0..200 {
             let mut state = vec![0.0; law.names().len()];
@@ -255,8 +415,7 @@ fn no_spring_gives_back_more_work_than_it_took() {
 /// No force changes by more than the steepest slope times the change of the elongation.
 #[test]
 fn the_steepest_slope_bounds_the_force() {
-    for (number, input) in all_laws().iter().enumerate() {
-        let law = law_of(input).expect("a sound spring");
+    for (number, law) in every_law().iter().enumerate() {
         let mut state = vec![0.0; law.names().len()];
         let (mut way, mut before) = (0.0f64, 0.0f64);
         for k in 1..20000 {
@@ -274,15 +433,16 @@ fn the_steepest_slope_bounds_the_force() {
 /// being unloaded.
 #[test]
 fn springs_with_a_memory_are_stable_at_their_step() {
-    let mut laws = all_laws();
+    let of = |input: &SpringInput| law_of(input).expect("a sound spring");
+    let mut laws: Vec<_> = all_laws().iter().map(|i| (of(i), i.maxwell.is_some())).collect();
+    laws.extend(laws_of_beams().into_iter().map(|law| (law, false)));
     for decay in [0.0, 0.05, 3.0, 30.0] {
         let mut input = maxwell(false, None);
         input.maxwell.as_mut().expect("a law").decay = decay;
-        laws.push(input);
+        laws.push((of(&input), true));
     }
     let mu = 0.7;
-    for (number, input) in laws.iter().enumerate() {
-        let law = law_of(input).expect("a sound spring");
+    for (number, (law, relaxes)) in laws.iter().enumerate() {
         let stiffness = law.steepest();
         let discrete = Discrete { stiffness, damping: 0.0, along_line: true, rotational: false };
         let reported = discrete.stable_dt(mu);
@@ -302,10 +462,9 @@ fn springs_with_a_memory_are_stable_at_their_step() {
             }
             true
         };
-        let relaxes = input.maxwell.is_some();
         for path in [&[][..], &[1.5, 1.45], &[-1.5, -1.45]] {
             // Relaxation moves the force that is subtracted.
-            if relaxes && !path.is_empty() {
+            if *relaxes && !path.is_empty() {
                 continue;
             }
             let (mut low, mut high) = (0.5 * reported, 4.0 * reported);
@@ -361,4 +520,27 @@ fn wrong_numbers_are_named() {
         said.contains("long_time_stiffness is 11") && said.contains("cutoff_time is -1"),
         "{said}"
     );
+}
+
+/// Curves with which a law of discrete beams would not be what it is, or give work.
+#[test]
+fn wrong_curves_of_beams_are_named() {
+    let line = [[0.0, 0.0], [1.0, 4.0]];
+    let stiffening = [[0.0, 0.0], [1.0, 0.1], [2.0, 10.0]];
+    for (law, what) in [
+        (yielding(&[[0.0, 3.0]]), "yield_force has one point only"),
+        (yielding(&[[0.0, 3.0], [1.0, -5.0]]), "yield_force has the wrong sign at 1.0"),
+        (yielding(&[[0.0, 0.0], [1.0, 0.0]]), "yield_force is zero"),
+        (yielding(&[[0.0, 20.0], [1.0, 10.0]]), "yield_force falls as steeply as `stiffness`"),
+        (between_curves(&line, &line, 3.0), "stiffness is 3.0, a curve has the slope 4.0"),
+        (between_curves(&HALF, &LOADING, 8.0), "unloading has a larger force than loading at -2.0"),
+        (between_curves(&line, &[[0.0, 0.0], [1.0, 2.0], [2.0, 1.0]], 8.0), "unloading descends"),
+        (between_curves(&[[0.0, 1.0], [1.0, 4.0]], &line, 8.0), "has the force 1 at 0, not 0"),
+        (permanent_set(&line, 1.0), "fraction is 1"),
+        (permanent_set(&stiffening, 0.0), "loading takes less work up to"),
+    ] {
+        let said = law.err().unwrap_or_default();
+        assert!(said.contains(what), "no {what} in {said}");
+    }
+    assert!(permanent_set(&stiffening, 0.8).is_ok());
 }
