@@ -57,6 +57,7 @@ mod simplified_rubber;
 mod soft_tissue;
 mod solid_welds;
 mod spring_laws;
+mod standard_sections;
 mod stops_and_times;
 mod submodels;
 mod ten_nodes;

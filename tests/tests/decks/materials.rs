@@ -146,6 +146,20 @@ fn metals_with_damage_strains_and_anisotropy() {
     let sheet = "*MAT_003\n7,7.85e-6,200.0,0.3,0.25\n*MAT_037\n1,7.85e-6,200.0,0.3,0.25,0.5,-1.5\n";
     let rolled = model_of(&format!("{BASE}{MOVES}{sheet}").replace("2,2,1\n", "2,2,7\n"));
     assert_eq!(parameter(&rolled, "lankford"), "1.5");
+    // The limit before the rate; without a rate sigsat is the same.
+    for (card, [a, b, limit]) in [
+        ("0.3,0.4,0.5,0.01,,0.6,,1e-3", [0.3, 0.4, 0.6]),
+        ("0.3,0.4,0.5,,,,0.5", [0.3, 0.4, 0.5]),
+        ("0.3,0.4,0.5,0.01,,0.2,1e28,1e-3", [0.2, 0.0, 0.2]),
+    ] {
+        let limited = model(&format!("*MAT_098\n1,7.85e-6,200.0,0.3\n{card}\n"));
+        let given = &limited.job.material[0].parameters;
+        for (key, wanted) in [("a", a), ("b", b), ("largest_stress", limit)] {
+            assert_eq!(given[key], toml::Value::from(wanted), "{card}: {key}");
+        }
+    }
+    let viscous = model("*MAT_098\n1,7.85e-6,200.0,0.3,1.0\n0.3,0.4,0.5,0.01,,0.6,,1e-3\n");
+    assert!(!viscous.job.material[0].parameters.contains_key("largest_stress"));
     let cook = model("*MAT_098\n1,7.85e-6,200.0,0.3\n0.3,0.4,0.5,0.01,0.6,1e28,1e28,0.001\n");
     assert_eq!(cook.job.material[0].law, "johnson_cook");
     for (key, value) in [
@@ -171,7 +185,7 @@ fn fields_of_metals_without_a_law_are_refused() {
         ("*MAT_081\n1,7.85e-6,200.0,0.3,0.25,0.5,0.1\n,,,,0.2,,7\n", "`lcdm` = 7"),
         ("*MAT_081\n1,7.85e-6,200.0,0.3,0.25,0.5\n,,,,0.2\n", "`eppfr` = 0.2"),
         ("*MAT_123\n1,7.85e-6,200.0,0.3,0.25\n,,,,,-0.3\n", "`epsthin` = -0.3"),
-        ("*MAT_098\n1,7.85e-6,200.0,0.3\n0.3,0.4,0.5,0.01,,0.9\n", "`sigmax` = 0.9"),
+        ("*MAT_098\n1,7.85e-6,200.0,0.3\n0.3,0.4,0.5,0.01,,,0.9\n", "`sigsat` = 0.9"),
         // One part of the base is of solids.
         ("*MAT_037\n1,7.85e-6,200.0,0.3,0.25,0.5,1.5\n", "lankford is for shells only"),
     ] {

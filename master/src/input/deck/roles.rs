@@ -190,6 +190,10 @@ const ROLES: &[(&str, &str)] = &[
          iss=l4 itt=l4 j=l4 sa=l2 ist=l4 field=1 vol=l3 iner=i ca=l2 offset=l rrcon=1 srcon=1 \
          trcon=1",
     ),
+    (
+        "INTEGRATION_BEAM",
+        "nip=1 ra=1 icst=1 k=1 d1=l d2=l d3=l d4=l sref=1 tref=1 d5=l d6=l s=1 t=1 wf=1",
+    ),
     ("HOURGLASS", "ihq=1 qm=1 ibq=1 q1=1 q2=1 qb=1 qw=1"),
     ("MAT_ELASTIC", "ro=d e=p pr=1 da=1 db=1 k=p"),
     ("MAT_POWER_LAW_PLASTICITY", "ro=d e=p pr=1 k=p n=1 src=w srp=1 sigy=p vp=1 epsf=1"),

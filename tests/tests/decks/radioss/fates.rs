@@ -27,7 +27,6 @@ const NAMED: &[&str] = &[
     "`dtmin`",
     "`more`",
     "rhoref",
-    "icc 1",
     "`fsmooth` = 1",
     "`fcut` = 10",
     "`chard` = 0.5",
@@ -122,9 +121,9 @@ fn fields_that_matter_are_refused() {
         let report = refused(with(lines));
         assert!(report.contains(field), "missing: {field}\n{report}");
     }
-    let law = deck("/MAT/LAW2/1\n=m\nr1e-6\nr200 r0.3 i2\nr0.3 r0.1 r1 r0 r0.5\nr0.1 r1");
+    let law = deck("/MAT/LAW2/1\n=m\nr1e-6\nr200 r0.3 i2\nr0.3 r0.1 r1 r0 r0.5\nr0.1 r1 i2");
     let report = refused(mesh() + &properties() + &law + &moves());
-    for field in ["`iflag` = 2", "`sigmax` = 0.5"] {
+    for field in ["`iflag` = 2", "`icc` = 2"] {
         assert!(report.contains(field), "missing: {field}\n{report}");
     }
     // Text where nothing belongs.
@@ -133,6 +132,20 @@ fn fields_that_matter_are_refused() {
         mesh() + &properties() + &odd + &moves() + &deck("/GRNOD/NODE/3\n=g\ni11\n/BCS/3\n=b");
     let report = model(&(text + "12 111 000         0         3\n"));
     assert!(said(&report).contains("`blank`"), "{}", said(&report));
+}
+
+/// Cards of control that have nothing to control are accepted: a noise of nodes only if it is 0,
+/// otherwise with a warning.
+#[test]
+fn control_without_a_counterpart_is_no_error() {
+    let cards = "/RANDOM\nr0 r0\n/SHFRA/V4\n/MEMORY\n_\n/ALE/BCS/1\n=b\n=   111 111";
+    let all = said(&model(&with(cards)));
+    for name in ["/SHFRA/V4", "/MEMORY", "/ALE/BCS"] {
+        assert!(all.contains(&format!("{name} is not read")), "{name}: {all}");
+    }
+    assert!(!all.contains("/RANDOM"), "{all}");
+    let all = said(&model(&with("/RANDOM\nr0.001 r0.5")));
+    assert!(all.contains("/RANDOM: `noise` = 0.001 is ignored"), "{all}");
 }
 
 /// Output and frames that nothing refers to are accepted with a warning. A condition in such a

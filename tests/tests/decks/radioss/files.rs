@@ -1,7 +1,8 @@
 //! Files of Radioss decks: the engine file, includes, other formats, mesh files, imports.
 
-use super::{mesh, model, moves, properties, read_at, reading, said, steel, with};
+use super::{deck, mesh, model, moves, properties, read_at, reading, said, steel, with};
 use crumple::input::mesh_file;
+use crumple_proto::job::Job;
 use crumple_tests::manual::{Snippet, blocks};
 use crumple_tests::program::{crumple_with, run};
 use std::fs;
@@ -35,6 +36,53 @@ fn the_engine_file_belongs_to_the_starter() {
     fs::write(&engine, "/RUN/plate/1\n7.5x\n").unwrap();
     let report = read_at(&path, &[]).err().unwrap();
     assert!(report.contains("plate_0001.rad:2") && report.contains("7.5x"), "{report}");
+}
+
+/// Damping of the whole model and of parts; the engine file has its own alpha, with other fields.
+#[test]
+fn damping_is_that_of_the_engine_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plate_0000.rad");
+    let lines = "/DAMP/1
+        =all
+        r0.25 r0 i0 i0 r0 r0
+        /DAMP/2
+        =parts
+        r0.5 r0 i900 i0 r0 r1e30
+        /DAMP/3
+        =cube
+        r0.75 r0 i901 i0 r0 r1e30
+        /GRNOD/PART/901
+        =cube
+        i2";
+    let write = |text: &str, engine: &str| {
+        fs::write(&path, starter().replace("/END\n", "") + text + "/END\n").unwrap();
+        let engine = format!("/RUN/plate/1\n7.5\n{engine}/END\n");
+        fs::write(folder.path().join("plate_0001.rad"), engine).unwrap();
+        read_at(&path, &[])
+    };
+    // A group of all nodes is the whole model.
+    let found = write(&deck(lines), "").unwrap().job;
+    let of_parts = |job: &Job| {
+        job.damping.iter().map(|d| (d.coefficient, d.parts.clone())).collect::<Vec<_>>()
+    };
+    assert_eq!((found.time.damping, of_parts(&found)), (0.75, vec![(0.75, vec![2])]));
+    let found = write(&deck(lines), "/DAMP/1\n0.1 0\n/DAMP/3\n3.5\n").unwrap().job;
+    assert_eq!((found.time.damping, of_parts(&found)), (0.6, vec![(3.5, vec![2])]));
+    // No damping at all, with nothing that could be wrong.
+    let found = write(&deck(lines), "/DAMP/1\n0 0\n/DAMP/2\n0 0\n/DAMP/3\n0 0\n").unwrap().job;
+    assert_eq!((found.time.damping, found.damping.len()), (0.0, 0));
+    for (text, engine, word) in [
+        (lines.replace("r0.25 r0 ", "r0.25 r1e-4 "), "", "`beta` = 0.0001"),
+        (lines.replace("i0 r0 r0", "i0 r2 r1e30"), "", "`tstart` = 2"),
+        (lines.replace("i0 r0 r0", "i0 r0 r7"), "", "`tstop` = 7"),
+        (lines.into(), "/DAMP/1\n0.1 1e-4\n", "`beta` = 0.0001"),
+        (lines.into(), "/DAMP/4\n0.1\n", "no /DAMP with the id 4"),
+        (lines.replace("PART/901", "NODE/901").replace("\n        i2", "\n i1 i2"), "", "parts"),
+    ] {
+        let report = write(&deck(&text), engine).err().unwrap_or_else(|| panic!("{word}"));
+        assert!(report.contains(word), "missing: {word}\n{report}");
+    }
 }
 
 /// A deck of several files; a file that includes itself is an error.

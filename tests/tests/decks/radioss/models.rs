@@ -279,6 +279,22 @@ fn functions_of_several_rates_are_a_table() {
     assert!(report.contains("has 1 of 2 functions"), "{report}");
 }
 
+/// With a rate, `a + b eps^n` of Johnson and Cook is at most sigmax, and the rate scales both.
+#[test]
+fn a_largest_stress_with_a_rate_is_that_of_the_law() {
+    let head = "=m\nr7.85e-6\nr200.0 r0.3";
+    for (numbers, [a, b, largest]) in
+        [("r0.3 r0.5 r0.4 r0 r0.6", [0.3, 0.5, 0.6]), ("r0.3 r0.5 r0.4 r0 r0.2", [0.2, 0.0, 0.2])]
+    {
+        let found = of_law(&format!("/MAT/LAW2/1\n{head}\n{numbers}\nr0.01 r1e-3 i1"));
+        let material = &found.job.material[0];
+        assert_eq!(material.law, "johnson_cook");
+        for (key, wanted) in [("a", a), ("b", b), ("largest_stress", largest), ("c", 0.01)] {
+            assert_eq!(material.parameters[key], toml::Value::from(wanted), "{key} of {numbers}");
+        }
+    }
+}
+
 /// A largest stress ends the hardening; with a rate the law of Cowper and Symonds alone has it.
 #[test]
 fn a_largest_stress_ends_the_hardening() {
@@ -297,7 +313,7 @@ fn a_largest_stress_ends_the_hardening() {
     let flat = of_law(&format!("/MAT/LAW2/1\n{head}\nr0.3 r0.5 r0.4 r0 r0.2"));
     assert_eq!(rows(&flat, "hardening"), [[0.0, 0.2]]);
     for (text, words) in [
-        ("/MAT/LAW2/1\n{head}\nr0.3 r0.5 r0.4 r0 r0.6\nr0.01 r1e-3", "`sigmax` = 0.6"),
+        ("/MAT/LAW2/1\n{head}\nr0.3 r0.5 r0.4 r0 r0.6\nr0.01 r1e-3 i2", "`icc` = 2"),
         ("/MAT/LAW44/1\n{head}\nr0.3 r0.5 r0.4 r0 r0.6\nr40 r5 i2", "`icc` = 2"),
     ] {
         let text = mesh() + &properties() + &moves() + &deck(&text.replace("{head}", head));

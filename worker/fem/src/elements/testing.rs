@@ -156,7 +156,6 @@ pub fn laws_of_solids() -> Vec<Material> {
     ];
     let hysteresis = [("youngs_modulus", 80.0), ("hysteresis", 0.2), ("shape", 2.0)];
     let mut all = vec![
-        of("mooney_rivlin", &[("a", 30.0), ("b", 10.0), ("poisson", 0.45)], &[]),
         of("polynomial_rubber", &[nu], &[("coefficients", coefficients)]),
         of("ogden", &[nu], &[("terms", table(&[[60.0, 1.3], [1.0, 5.0], [-4.0, -2.0]]))]),
         of("blatz_ko", &[("shear_modulus", 40.0)], &[]),
@@ -273,6 +272,7 @@ pub fn laws() -> Vec<Material> {
         ),
         steel("j2", &[("hardening_by_rate", by_rate), ("failure_strain", number(0.3))]),
         steel("viscoelastic", &viscoelastic),
+        material("mooney_rivlin", 7.85e-6, &[("a", 30.0), ("b", 10.0), ("poisson", 0.45)]),
         steel("johnson_cook", &johnson_cook),
         steel("fabric", &[("damping", number(0.05))]),
         steel(

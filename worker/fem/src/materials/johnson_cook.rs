@@ -12,8 +12,8 @@
 //!
 //! `a`, `b`, `n` are required. Optional are `c` with `reference_rate` [1/time], `m` with
 //! `melting_temperature` and `specific_heat` [energy/(mass temperature)], and `damage = [D1, D2,
-//! D3, D4, D5]`. `b eps_p^n` is a straight line below eps_p = 1e-5. The return to the yield
-//! surface is in `plasticity`.
+//! D3, D4, D5]`. `b eps_p^n` is a straight line below eps_p = 1e-5, and `a + b eps_p^n` is at most
+//! `largest_stress`. The return to the yield surface is in `plasticity`.
 
 use super::parameters::Parameters;
 use super::plasticity::{Coefficients, FailureCriterion, Plasticity, Rate, Thermal, YieldCurve};
@@ -53,6 +53,14 @@ const PARAMETERS: &[ParameterRow] = &[
         otherwise: DefaultValue::Needed,
         range: None,
         meaning: "Hardening exponent.",
+    },
+    ParameterRow {
+        key: "largest_stress",
+        form: Form::Number,
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning: "Largest value of `a + b strain^n`, which rate and temperature then scale \
+                  [force/length^2].",
     },
     ParameterRow {
         key: "c",
@@ -127,6 +135,9 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
     let a = parameters.required("a", "above 0", |a| a > 0.0);
     let b = parameters.required("b", "0 or above", |b| b >= 0.0);
     let n = parameters.required("n", "above 0 and at most 1", |n| n > 0.0 && n <= 1.0);
+    let largest = parameters
+        .optional("largest_stress", "`a` or above", |limit| limit >= a)
+        .unwrap_or(f64::INFINITY);
     let c = parameters.optional("c", "0 or above", |c| c >= 0.0).unwrap_or(0.0);
     let d = failure(&mut parameters);
     let needs_rate = c > 0.0 || d.is_some_and(|d| d[3] != 0.0);
@@ -137,7 +148,7 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Plasticity, 
     Ok(Plasticity {
         elastic,
         yield_stress: a,
-        curve: YieldCurve::Power { b: b / a, n },
+        curve: YieldCurve::Power { b: b / a, n, largest: largest / a },
         rate: if c > 0.0 { Rate::Logarithmic { c, reference } } else { Rate::None },
         thermal,
         failure: d

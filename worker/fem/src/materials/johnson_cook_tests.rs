@@ -68,6 +68,43 @@ fn stress_is_that_of_the_formula() {
     }
 }
 
+/// Above the strain at which a + b eps^n reaches the largest stress, the yield stress is that
+/// stress times the factors of rate and temperature, in solids and in shells.
+#[test]
+fn hardening_ends_at_the_largest_stress() {
+    const LARGEST: f64 = 1.1;
+    let with_limit = [("largest_stress", Param::Number(LARGEST))];
+    let factors = (1.0 + C * 1e3_f64.ln()) * (1.0 - (280.0_f64 / 1520.0).powf(M));
+    let law = solid(&with_limit);
+    // 0.806 + 0.614 0.0243^0.168 = 1.1353: the curve is above the limit from 0.0125 on.
+    for (eps_p, wanted) in [(1e-4, None), (0.012, Some(LARGEST)), (0.5, Some(LARGEST))] {
+        let mut state = [0.0; 10];
+        (state[6], state[7]) = (eps_p, 280.0);
+        let gamma = 0.05;
+        shear(&*law, &mut state, gamma, gamma / 3.0_f64.sqrt());
+        let static_stress = (A + B * state[6].powf(N)).min(LARGEST);
+        assert!(wanted.is_none_or(|wanted| wanted == static_stress));
+        let wanted = static_stress * factors;
+        let stress = 3.0_f64.sqrt() * state[3];
+        assert!(
+            (stress - wanted).abs() < 1e-9 * wanted,
+            "return to 1e-10 of yield: {stress} for {wanted}"
+        );
+    }
+    let shell = build(&steel(&with_limit)).map_err(|problems| format!("{problems:?}")).unwrap();
+    let (mut state, mut thinning) = ([0.0; 7], [0.0]);
+    (state[3], state[4]) = (0.012, 280.0);
+    let strain = [[0.0, 0.0, 0.05]];
+    let points = Points { state: &mut state, strain: &strain, thickness_strain: &mut thinning };
+    shell.update_one(points, 0.05 / 3.0_f64.sqrt());
+    let (stress, wanted) = (3.0_f64.sqrt() * state[2], LARGEST * factors);
+    assert!(
+        (stress - wanted).abs() < 1e-9 * wanted,
+        "return to 1e-10 of yield: {stress} for {wanted}"
+    );
+    assert!(build_solid(&steel(&[("largest_stress", Param::Number(0.9 * A))])).is_err());
+}
+
 #[test]
 fn plastic_work_becomes_heat() {
     let law = solid(&[]);

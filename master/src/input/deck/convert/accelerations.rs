@@ -71,7 +71,7 @@ impl DeckConverter {
         if let GravityOf::Parts(parts, shared) = of {
             used = format!("acceleration {acceleration:?} of the elements of parts {parts:?}");
             table.put("parts", place, parts);
-            self.warn_of_shared(record, field, shared);
+            self.warn_of_shared(record, field, ("gravity", shared));
         }
         let asked = format!("{field} {number} with {given:?}");
         self.map(record.name(), asked, format!("{used}, as of *LOAD_BODY"));
@@ -80,22 +80,31 @@ impl DeckConverter {
 
     /// Warns of masses that gravity of parts does not act on: of nodes that other parts have too,
     /// and those that cards give to nodes.
-    pub(super) fn warn_of_shared(&mut self, record: &CardRecord, field: &str, shared: usize) {
+    pub(super) fn warn_of_shared(
+        &mut self,
+        record: &CardRecord,
+        field: &str,
+        (load, shared): (&str, usize),
+    ) {
         let is_mass = |name: &str| name.starts_with("ELEMENT_MASS") || name == "/ADMAS";
         if self.read.iter().any(|card| is_mass(card.row.keyword.name)) {
-            let message = format!("{}: masses of nodes have no gravity by it", record.name());
-            let help = "it acts on the elements of its parts: name all nodes of the model for \
-                        gravity on all masses";
+            let message = format!("{}: masses of nodes have no {load} by it", record.name());
+            let help = format!(
+                "it acts on the elements of its parts: name all nodes of the model for {load} on \
+                 all masses"
+            );
             self.trouble.warning(record.place(field), message, help);
         }
         if shared > 0 {
             let message = format!(
                 "{}: {shared} of its nodes belong to other parts, too, whose masses there have no \
-                 gravity by it",
+                 {load} by it",
                 record.name()
             );
-            let help = "gravity acts on the masses of elements: add all nodes of these parts, or \
-                        expect the difference of a row of elements";
+            let help = format!(
+                "{load} acts on the masses of elements: add all nodes of these parts, or expect \
+                 the difference of a row of elements"
+            );
             self.trouble.warning(record.place(field), message, help);
         }
     }

@@ -13,6 +13,8 @@ use crumple_proto::mesh::{MeshElement, Shape, corner_nodes};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
+/// Code of the standard section W, an I whose flanges are along the second axis.
+const WIDE_FLANGE: i64 = 1;
 /// Code of a third node that is not given.
 const NONE: NodeId = NodeId(0);
 
@@ -75,10 +77,18 @@ impl DeckConverter {
                 self.rows.beams[index] = truss;
                 continue;
             }
-            if beam.nodes[2] != NONE || !self.parts.contains_key(&i64::from(beam.part)) {
+            if !self.parts.contains_key(&i64::from(beam.part)) {
                 continue;
             }
             let place = self.rows.beam_place(index);
+            if beam.nodes[2] != NONE {
+                if self.turned_parts.contains(&beam.part)
+                    && let Some(point) = self.third_axis(&beam)
+                {
+                    shown.push((index, (point, place)));
+                }
+                continue;
+            }
             if !self.round_parts.contains(&beam.part) {
                 let message =
                     format!("beam {} has no third node, and its section is not round", beam.id);
@@ -105,6 +115,18 @@ impl DeckConverter {
         if !wrong.is_empty() {
             self.rows.remove(|e| e.shape == Shape::Beam2 && wrong.contains(&e.id));
         }
+    }
+
+    /// Returns a point in the direction of the third axis of a beam, from its first node; `None` if
+    /// its third node does not show the second one, which is reported elsewhere.
+    fn third_axis(&mut self, beam: &MeshElement) -> Option<[f64; 3]> {
+        let [from, to, shows] = [0, 1, 2].map(|k| self.rows.at(beam.nodes[k]));
+        let (from, to, shows) = (from?, to?, shows?);
+        let along: [f64; 3] = std::array::from_fn(|c| to[c] - from[c]);
+        let second: [f64; 3] = std::array::from_fn(|c| shows[c] - from[c]);
+        let third = unit(cross(along, second))?;
+        let length = along.iter().map(|l| l * l).sum::<f64>().sqrt();
+        Some(std::array::from_fn(|c| from[c] + length * third[c]))
     }
 
     /// Converts a part of beams.
@@ -144,8 +166,13 @@ impl DeckConverter {
             let why = "its section is not supported";
             return self.leave_out_part(pid, record.place("secid"), why, help);
         };
-        if let (true, Ok(part)) = (round, u32::try_from(pid)) {
-            self.round_parts.insert(part);
+        if let Ok(part) = u32::try_from(pid) {
+            if round {
+                self.round_parts.insert(part);
+            }
+            if card.real("qr") < 0.0 && matches!(elform, 0 | 1 | 4 | 5 | 9) {
+                self.turned_parts.insert(part);
+            }
         }
         let shear = if beam.has("shear_areas") {
             "elastic shear deformation"
@@ -197,8 +224,7 @@ impl DeckConverter {
         beam: &mut JobTable,
     ) -> Option<(&'static str, bool)> {
         if card.real("qr") < 0.0 {
-            self.unsupported_card(card, "qr", "integration rules of *INTEGRATION_BEAM");
-            return None;
+            return self.section_of_rule(card, beam);
         }
         for (first, last) in [("ts1", "ts2"), ("tt1", "tt2")] {
             if card.real(last) != 0.0 && card.real(last) != card.real(first) {
@@ -233,6 +259,41 @@ impl DeckConverter {
         beam.put("width", card.place("tt1"), along_t);
         shear(card, along_s * along_t, beam);
         Some(("rectangle", false))
+    }
+
+    /// Converts the section of an integration rule. Its web is along the third axis of the beams,
+    /// which [`DeckConverter::orient_beams`] turns, because that of a job is along the second.
+    fn section_of_rule(
+        &mut self,
+        card: &CardRecord,
+        beam: &mut JobTable,
+    ) -> Option<(&'static str, bool)> {
+        const RULE: &str = "INTEGRATION_BEAM";
+        // Sections read whole numbers as numbers.
+        let number = -card.real("qr") as i64;
+        let rules = self.records.get(RULE).map_or(&[][..], Vec::as_slice);
+        let Some(rule) = rules.iter().find(|rule| rule.integer("irid") == number).cloned() else {
+            let known: Vec<String> =
+                rules.iter().map(|rule| rule.integer("irid").to_string()).collect();
+            self.missing(card.place("qr"), "*INTEGRATION_BEAM", number, &known);
+            return None;
+        };
+        if rule.integer("icst") != WIDE_FLANGE {
+            let why = "1 (W, an I with equal flanges) is supported; give elform 2 with the area \
+                       and the moments of the section";
+            self.unsupported_card(&rule, "icst", why);
+            return None;
+        }
+        if rule.integer("nip") != 0 {
+            self.unsupported_value(&rule, "nip", "points of an own rule");
+        }
+        beam.put("section", rule.place("icst"), "i");
+        for (key, field) in [("height", "d3"), ("width", "d1"), ("flange", "d2"), ("web", "d4")] {
+            beam.put(key, rule.place(field), rule.real(field));
+        }
+        let [width, flange, depth, web] = ["d1", "d2", "d3", "d4"].map(|field| rule.real(field));
+        shear(card, 2.0 * width * flange + (depth - 2.0 * flange) * web, beam);
+        Some(("i, with its web along the third axis", false))
     }
 
     /// Converts a section with given area and moments.

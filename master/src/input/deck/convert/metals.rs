@@ -107,11 +107,36 @@ impl DeckConverter {
         if fail > 0.0 && fail < NO_LIMIT {
             table.put("damage", record.place("psfail"), [fail, 0.0, 0.0, 0.0, 0.0]);
         }
-        for field in ["sigmax", "sigsat"] {
-            if record.real(field) > 0.0 && record.real(field) < NO_LIMIT {
-                let why = "a largest stress; give MAT_024 a curve that ends with it";
-                self.unsupported_value(record, field, why);
+        let is_given = |field: &str| (0.0..NO_LIMIT).contains(&record.real(field));
+        let limits = ["sigmax", "sigsat"].map(|field| record.real(field) > 0.0 && is_given(field));
+        // The limit before the rate, and that with it.
+        let limit = match limits {
+            [true, _] if record.real("vp") == 1.0 => {
+                self.map(
+                    record.name(),
+                    format!("sigmax {} with vp 1", record.real("sigmax")),
+                    "not used, as in LS-DYNA",
+                );
+                None
             }
+            [true, false] => Some("sigmax"),
+            [false, true] if record.real("c") == 0.0 => Some("sigsat"),
+            [_, true] => {
+                let why = "a largest stress that the rate does not scale; give sigmax alone, or \
+                           MAT_024 a table of curves that end with it";
+                self.unsupported_value(record, "sigsat", why);
+                None
+            }
+            _ => None,
+        };
+        if let Some(field) = limit {
+            let (limit, place) = (record.real(field), record.place(field));
+            if limit <= record.real("a") {
+                // The limit is the yield stress.
+                table.put("a", place, limit);
+                table.put("b", place, 0.0);
+            }
+            table.put("largest_stress", place, limit);
         }
     }
 

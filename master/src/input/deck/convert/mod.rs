@@ -131,6 +131,8 @@ pub struct DeckConverter {
     preloads: BTreeMap<i64, preloads::DeckPreload>,
     /// Parts of beams that need no orientation.
     round_parts: BTreeSet<u32>,
+    /// Parts of beams whose sections have their height along the third axis.
+    turned_parts: BTreeSet<u32>,
     /// Parts of beams that are trusses.
     truss_parts: BTreeSet<u32>,
     /// Directions of springs by part, with their places; `None` for the line between their nodes.
@@ -307,6 +309,7 @@ impl DeckConverter {
             beams_along_lines: BTreeSet::new(),
             preloads: BTreeMap::new(),
             round_parts: BTreeSet::new(),
+            turned_parts: BTreeSet::new(),
             truss_parts: BTreeSet::new(),
             spring_directions: BTreeMap::new(),
             with_offset: Vec::new(),
@@ -601,7 +604,8 @@ impl DeckConverter {
 
     /// Reports records of known keywords that no code has converted.
     fn left_over(&mut self) {
-        for name in ["COMMENT", "CONTROL_ENERGY", "CONTROL_CONTACT"] {
+        // Sections have their rules by now.
+        for name in ["COMMENT", "CONTROL_ENERGY", "CONTROL_CONTACT", "INTEGRATION_BEAM"] {
             self.take_records(name);
         }
         let left: Vec<CardRecord> =

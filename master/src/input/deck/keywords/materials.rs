@@ -139,8 +139,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("mid:i! ro:r! e:r! pr:r vp:r", Once),
             ("a:r! b:r n:r c:r psfail:r sigmax:r sigsat:r epso:r=1", Once),
         ],
-        "law `johnson_cook` without temperature; psfail is D1 of `damage`; largest stresses \
-         (sigmax, sigsat) are not supported",
+        "law `johnson_cook` without temperature; psfail is D1 of `damage`; sigmax (without vp \
+         1), and sigsat without a rate, is `largest_stress`; sigsat with a rate is not supported",
     )
     .unused(&[RATE_OF_STRAIN])
     .aliases(&["MAT_098", "MAT_98"])

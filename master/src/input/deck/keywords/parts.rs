@@ -95,7 +95,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("field:r*8", Count(of_another_kind)),
         ],
         "`[part.beam]`. elform 1, 4, 5 and 9: with cst 0 a `rectangle` (ts1 by tt1; a tube for 5 \
-         and 9), with cst 1 a `tube` (diameters ts1 and tt1); 1 and 9 have the shear area shrf \
+         and 9), with cst 1 a `tube` (diameters ts1 and tt1), with qr below 0 the section of the \
+         INTEGRATION_BEAM of this number; 1 and 9 have the shear area shrf \
          times the area. elform 2 and 13: `general`, elastic, with a, iss, itt, j and the shear \
          area sa. elform 3: `[part.truss]` with the area a. elform 6: `[part.discrete_beam]` with \
          the mass ro vol, the inertia iner and the axes of cid (without it the global ones); scoor \
@@ -109,6 +110,26 @@ pub const KEYWORDS: &[Keyword] = &[
         no_effect("field", "the elform is not supported"),
     ])
     .options(&["TITLE"])
+    .repeats(),
+    Keyword::new(
+        "INTEGRATION_BEAM",
+        &[
+            ("irid:i! nip:i ra:r icst:i k:i", Once),
+            ("d1:r d2:r d3:r d4:r sref:r tref:r d5:r d6:r", Count(standard)),
+            ("s:r t:r wf:r pid:i", Count(points)),
+        ],
+        "icst 1: section `i` of the parts of beams whose section refers to it, with the width d1 \
+         and the thickness d2 of its flanges along the second axis, and the depth d3 and the \
+         thickness d4 of its web along the third; other standard sections and points of an own \
+         rule are not supported",
+    )
+    .unused(&[
+        no_effect("ra", "it is for points of an own rule"),
+        no_effect("k", "sections have fibres of their own number"),
+        refused("sref tref", "a reference line that is not the centre"),
+        no_effect("d5 d6", "the section has four dimensions"),
+        no_effect("s t wf pid", "nip is not supported"),
+    ])
     .repeats(),
     Keyword::new(
         "SECTION_DISCRETE",
@@ -137,6 +158,14 @@ pub const KEYWORDS: &[Keyword] = &[
     .options(&["TITLE"])
     .repeats(),
 ];
+
+fn standard(record: &CardRecord) -> usize {
+    usize::from(record.integer("icst") > 0)
+}
+
+fn points(record: &CardRecord) -> usize {
+    usize::try_from(record.integer("nip")).unwrap_or(0)
+}
 
 fn integrated(record: &CardRecord) -> usize {
     usize::from(matches!(record.integer("elform"), 0 | 1 | 4 | 5 | 9 | 11))

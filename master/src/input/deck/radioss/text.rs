@@ -179,6 +179,9 @@ fn begin(line: &[u8], file: u32, head: (u32, u32), format: CardFormat) -> Keywor
         at = part_end + 1;
     }
     let tail = (head.0 + at.min(line.len()) as u32, head.1);
+    if name == "/DAMP" && format == CardFormat::Words {
+        name = keywords::ENGINE_DAMP.into();
+    }
     // A starter file may have them without the line that ends them.
     let format = if keywords::is_of_engine(&name) { CardFormat::Words } else { format };
     KeywordBlock { file, number: 0, head, name, format, lines: vec![tail], submodel: 0 }

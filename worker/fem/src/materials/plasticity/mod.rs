@@ -143,12 +143,14 @@ pub enum YieldCurve {
         /// Plastic strains at which the slope changes, and the change.
         ramps: Vec<(f64, f64)>,
     },
-    /// `1 + b eps_p^n`, 0 < n <= 1.
+    /// `1 + b eps_p^n`, 0 < n <= 1, and at most `largest`.
     Power {
         /// Factor on the power.
         b: f64,
         /// Exponent.
         n: f64,
+        /// Largest value, infinite for none.
+        largest: f64,
     },
 }
 
@@ -265,14 +267,17 @@ impl Plasticity {
                 }
                 (sig_y, modulus)
             }
-            YieldCurve::Power { b, n } => {
+            YieldCurve::Power { b, n, largest } => {
                 let curved = eps_p.gt(R::splat(POWER_START));
                 let at = R::select(curved, eps_p, R::splat(POWER_START));
                 let secant = R::splat(*b) * at.powf_where(n - 1.0, R::zero().le(R::zero()));
-                (
-                    secant.mul_add(eps_p, R::splat(1.0)),
-                    R::select(curved, R::splat(*n), R::splat(1.0)) * secant,
-                )
+                let sig_y = secant.mul_add(eps_p, R::splat(1.0));
+                let modulus = R::select(curved, R::splat(*n), R::splat(1.0)) * secant;
+                if largest.is_infinite() {
+                    return (sig_y, modulus);
+                }
+                let below = sig_y.lt(R::splat(*largest));
+                (R::select(below, sig_y, R::splat(*largest)), R::select(below, modulus, R::zero()))
             }
         }
     }

@@ -8,6 +8,7 @@
 //! the rubber.
 
 pub mod blatz_ko;
+mod membrane;
 pub mod mooney_rivlin;
 pub mod ogden;
 pub mod polynomial;

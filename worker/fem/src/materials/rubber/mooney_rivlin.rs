@@ -7,16 +7,20 @@
 //! `2 (a + b)`. Near nu = 1/2 uniaxial stress is `2 (lambda^2 - 1/lambda) (a + b/lambda)`.
 //!
 //! d must not be negative, that is nu at least `(2 a + 5 b)/(5 a + 11 b)`: tension on all sides
-//! would end in pressure.
+//! would end in pressure. Shells have it in plane stress, see `membrane`.
 
+use super::membrane::MooneyRivlinShell;
 use super::{Rubber, StrainEnergy, check_shear, elastic_of_shear, poisson};
 use crate::materials::parameters::Parameters;
 use crate::materials::tensor::{
     Symmetric, deviator, inner, largest_bound, square, trace, volume_change,
 };
-use crate::materials::{DefaultValue, Elastic, Form, Law, POISSON, ParameterRow, SolidLawResult};
+use crate::materials::{
+    DefaultValue, Elastic, Form, Law, LawResult, POISSON, ParameterRow, SolidLawResult,
+};
 use crumple_math::lanes::Real;
 use crumple_proto::partition::Material;
+use crumple_proto::problem::Problem;
 
 /// The row of this law.
 pub const LAW: Law = Law {
@@ -24,7 +28,7 @@ pub const LAW: Law = Law {
     meaning: "Rubber of Mooney and Rivlin.",
     constants: &[POISSON],
     parameters: PARAMETERS,
-    build: None,
+    build: Some(shell),
     solid: Some(solid),
     cohesive: None,
 };
@@ -56,6 +60,15 @@ struct MooneyRivlin {
 }
 
 fn solid(material: &Material) -> SolidLawResult {
+    Ok(Box::new(Rubber(read(material)?)))
+}
+
+fn shell(material: &Material) -> LawResult {
+    let MooneyRivlin { elastic, a, b, d } = read(material)?;
+    Ok(Box::new(MooneyRivlinShell { elastic, a, b, d }))
+}
+
+fn read(material: &Material) -> Result<MooneyRivlin, Vec<Problem>> {
     let mut parameters = Parameters::new(material);
     let density = parameters.density();
     let nu = poisson(&mut parameters);
@@ -73,7 +86,7 @@ fn solid(material: &Material) -> SolidLawResult {
     }
     let elastic = elastic_of_shear(2.0 * (a + b), nu, density);
     parameters.finish()?;
-    Ok(Box::new(Rubber(MooneyRivlin { elastic, a, b, d })))
+    Ok(MooneyRivlin { elastic, a, b, d })
 }
 
 impl StrainEnergy for MooneyRivlin {

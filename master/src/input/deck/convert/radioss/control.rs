@@ -17,6 +17,8 @@ const NAMES: [(&str, &str); 5] =
 
 impl StarterConverter {
     pub(super) fn control(&mut self) {
+        // A noise is ignored with a warning.
+        self.take(&["/RANDOM"]);
         for record in self.take(&["/TITLE"]) {
             let title = record.word("text").to_string();
             self.deck.tree.set("title", record.place("text"), title);

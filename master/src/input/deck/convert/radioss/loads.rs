@@ -5,6 +5,7 @@ use super::motion::or_one;
 use crate::input::deck::convert::accelerations::GravityOf;
 use crate::input::deck::convert::segments::DeckSegment;
 use crate::input::deck::convert::tree::JobTable;
+use crate::input::deck::radioss::keywords::ENGINE_DAMP;
 use crate::input::deck::record::{CardLine, CardRecord};
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
@@ -58,7 +59,7 @@ impl StarterConverter {
                 let asked = format!("on the nodes of parts {parts:?}");
                 self.deck.map(record.name(), asked, "on the masses of their elements");
                 table.put("parts", record.place("grnod"), parts);
-                self.deck.warn_of_shared(&record, "grnod", shared);
+                self.deck.warn_of_shared(&record, "grnod", ("gravity", shared));
             }
             let table = table.with("acceleration", line.place("fscale"), value).with(
                 "curve",
@@ -66,6 +67,52 @@ impl StarterConverter {
                 curve,
             );
             self.deck.add("gravity", table);
+        }
+    }
+
+    /// Converts `/DAMP` with the values that the engine file gives for it.
+    pub(super) fn damping(&mut self) {
+        let mut of_engine: BTreeMap<i64, CardRecord> = BTreeMap::new();
+        for record in self.take(&[ENGINE_DAMP]) {
+            of_engine.insert(record.integer("id"), record);
+        }
+        let mut of_all = 0.0;
+        for starter in self.take(&["/DAMP"]) {
+            let id = starter.integer("id");
+            let values = of_engine.remove(&id).unwrap_or_else(|| starter.clone());
+            if values.real("beta") != 0.0 {
+                let why = "a damping by the stiffness; alpha damps low frequencies";
+                self.deck.unsupported_value(&values, "beta", why);
+            }
+            let alpha = values.real("alpha");
+            if alpha == 0.0 {
+                self.deck.map(format!("/DAMP/{id}"), "alpha 0", "no damping");
+                continue;
+            }
+            let (start, stop) = (starter.real("tstart"), starter.real("tstop"));
+            if start > 0.0 || (stop > 0.0 && stop < self.deck.end_time) {
+                let field = if start > 0.0 { "tstart" } else { "tstop" };
+                let why = "damping that begins or ends within the run";
+                self.deck.unsupported_value(&starter, field, why);
+            }
+            let (place, at) = (values.place("alpha"), starter.place("grnod"));
+            match self.parts_of(&starter, "damping acts on the masses of whole parts") {
+                Some(GravityOf::All) => {
+                    of_all += alpha;
+                    self.deck.tree.set_in("time", "damping", place, of_all);
+                }
+                Some(GravityOf::Parts(parts, shared)) => {
+                    self.deck.warn_of_shared(&starter, "grnod", ("damping", shared));
+                    let table = JobTable::new(starter.head)
+                        .with("coefficient", place, alpha)
+                        .with("parts", at, parts);
+                    self.deck.add("damping", table);
+                }
+                None => {}
+            }
+        }
+        for (id, record) in of_engine {
+            self.deck.missing(record.head, "/DAMP", id, &[]);
         }
     }
 
@@ -98,6 +145,11 @@ impl StarterConverter {
 
     /// Returns the parts on which gravity acts; `None` after a report.
     fn gravity_of(&mut self, record: &CardRecord) -> Option<GravityOf> {
+        self.parts_of(record, "gravity on some nodes of a part; it acts on whole parts")
+    }
+
+    /// Returns the parts whose nodes the group of a record has; `None` after a report.
+    fn parts_of(&mut self, record: &CardRecord, why: &str) -> Option<GravityOf> {
         let (grnod, place) = (record.integer("grnod"), record.place("grnod"));
         if grnod == 0 {
             return Some(GravityOf::All);
@@ -106,7 +158,6 @@ impl StarterConverter {
         let group = self.deck.node_sets[&grnod].0.clone();
         let of = self.deck.parts_of_group(&group);
         if of.is_none() {
-            let why = "gravity on some nodes of a part; it acts on whole parts";
             self.deck.unsupported_card(record, "grnod", why);
         }
         of

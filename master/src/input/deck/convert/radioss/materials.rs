@@ -19,6 +19,8 @@ const NO_DENSITY: f64 = 1e-20;
 const LINES: (f64, f64, i32) = (1e-4, 2.0, 60);
 /// Reference temperature of a card without one [K].
 const ROOM: f64 = 300.0;
+/// ICC of a largest stress that the rate does not scale.
+const LIMIT_WITHOUT_RATE: i64 = 2;
 /// Exponent of a power law that is a straight line.
 const STRAIGHT: f64 = 1.0;
 
@@ -208,13 +210,9 @@ impl StarterConverter {
             table.put(key, record.place(field), value);
         };
         let plain = c == 0.0 && !hot && failure.is_none();
-        if let Some(limit) = largest_stress(record) {
-            if plain {
-                return self.hardening_lines(record, [a, b, n], Some(limit), table);
-            }
-            let why = "a largest stress with a rate, heat or /FAIL/JOHNSON; give the yield stress \
-                       as a function by /MAT/LAW36";
-            self.deck.unsupported_value(record, "sigmax", why);
+        let limit = largest_stress(record);
+        if plain && limit.is_some() {
+            return self.hardening_lines(record, [a, b, n], limit, table);
         }
         if n == STRAIGHT && plain {
             table.put("law", record.head, "j2");
@@ -228,9 +226,19 @@ impl StarterConverter {
             return;
         }
         table.put("law", record.head, "johnson_cook");
-        put(table, "a", "a", a);
-        put(table, "b", "b", b);
+        // A limit below a is the yield stress.
+        let at_limit = limit.filter(|&limit| limit <= a);
+        put(table, "a", "a", at_limit.unwrap_or(a));
+        put(table, "b", "b", if at_limit.is_some() { 0.0 } else { b });
         put(table, "n", "n", n);
+        if let Some(limit) = limit {
+            if c > 0.0 && record.integer("icc") == LIMIT_WITHOUT_RATE {
+                let why = "a largest stress on which the rate has no effect; give 1, or the yield \
+                           stress as functions by /MAT/LAW36";
+                self.deck.unsupported_value(record, "icc", why);
+            }
+            put(table, "largest_stress", "sigmax", limit);
+        }
         if c > 0.0 && rate <= 0.0 {
             let message = format!(
                 "{} {}: c = {c} without a reference rate eps0",

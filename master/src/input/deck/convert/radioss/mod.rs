@@ -136,6 +136,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.deck.fixes();
     b.motions();
     b.initial_velocities();
+    b.damping();
     b.masses();
     b.pressures();
     b.walls();

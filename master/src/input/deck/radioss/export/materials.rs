@@ -100,10 +100,13 @@ impl StarterWriter<'_> {
         let mut exact = Table::from_iter([named(&material.name)]);
         let damage: [f64; 5] = numbers(material, "damage").unwrap_or_default();
         let is_plain = damage[1..] == [0.0; 4];
-        let is_straight = of("n") == 1.0 && of("c") == 0.0 && of("specific_heat") == 0.0;
+        let limit = of("largest_stress");
+        let is_cold = of("c") == 0.0 && of("specific_heat") == 0.0;
+        let is_straight = is_cold && (of("n") == 1.0 || limit > 0.0);
         self.head("MAT/LAW2", material, id);
         let fails = if is_plain && !is_straight { damage[0] } else { 0.0 };
-        self.card(&[Real(of("a")), Real(of("b")), Real(of("n")), Real(fails)]);
+        let hardening = [of("a"), of("b"), of("n"), fails, limit].map(Real);
+        self.card(&hardening[..if limit > 0.0 { 5 } else { 4 }]);
         self.card(&[Real(of("c")), Real(of("reference_rate"))]);
         let heat = of("specific_heat") * material.density;
         self.card(&[
@@ -127,7 +130,7 @@ impl StarterWriter<'_> {
                 exact.insert("taylor_quinney".into(), share.into());
             }
         }
-        // A card of failure keeps the law, which is linear hardening otherwise.
+        // A card of failure keeps the law, which is hardening by straight lines otherwise.
         if !is_plain || is_straight {
             self.keyword(&format!("FAIL/JOHNSON/{id}"));
             let own = if damage == [0.0; 5] { NEVER } else { damage };

@@ -8,6 +8,8 @@ use crate::input::deck::table::{
 };
 
 const INTERVAL: &[(&str, Times)] = &[("tstart:r dt:r!", Once)];
+/// Name of `/DAMP` in the engine file, where it has other fields than in the starter file.
+pub const ENGINE_DAMP: &str = "/DAMP/ENGINE";
 const STEP: &[(&str, Times)] = &[("scale:r dtmin:r", Maybe)];
 
 pub const KEYWORDS: &[Keyword] = &[
@@ -44,6 +46,11 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(&[refused("dtmin", "deletion or small strains for a step; use /DT/NODA/CST")]),
     Keyword::new("/DTIX", &[("dtini:r dtmax:r", Once)], "`time.dt_max`")
         .unused(&[no_effect("dtini", "the first step is that of the elements")]),
+    Keyword::new(
+        ENGINE_DAMP,
+        &[("alpha:r beta:r", Once)],
+        "alpha of the `/DAMP` of the starter with this number; written as `/DAMP`",
+    ),
     harmless("/ANIM", "docs/guide/output.md lists the fields of a run").options(ANY),
     harmless("/H3D", "docs/guide/output.md lists the fields of a run").options(ANY),
     harmless("/PRINT", "progress is printed in its own interval").options(ANY),

@@ -4,7 +4,7 @@ use super::TITLE;
 use crate::input::deck::table::{
     Keyword,
     Times::{self, Maybe, Once, Rest},
-    UnusedFields, refused,
+    UnusedFields, no_effect, refused,
 };
 
 const MOTION: &[(&str, Times)] = &[
@@ -71,6 +71,20 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[gravity]]` on the whole model, or of `parts` if the group has their nodes",
     )
     .unused(&[SENSOR, KIND]),
+    Keyword::new(
+        "/DAMP",
+        &[
+            TITLE,
+            ("alpha:r20 beta:r20 grnod:i skew:i tstart:r20 tstop:r20=1e30", Once),
+            ("others:r20*2", Rest),
+        ],
+        "`time.damping` of the whole model, or `[[damping]]` of `parts` if the group has their \
+         nodes, with alpha. The engine file may give other values",
+    )
+    .unused(&[
+        refused("others", "damping that depends on the direction"),
+        no_effect("skew", "damping is the same in all directions"),
+    ]),
     Keyword::new(
         "/ADMAS",
         &[("kind:i0 id:i0 unit:i0", Once), TITLE, ("mass:r20 of:i iflag:i", Rest)],

@@ -60,13 +60,13 @@ pub const KEYWORDS: &[Keyword] = &[
          iflag 1, a, b and n are the yield stress, the ultimate engineering stress and its \
          engineering strain, from which a + b eps^n with a maximum of the engineering stress there \
          follows. With sigmax, without rate and heat, it is `j2` with straight lines up to this \
-         stress. epsmax is the strain of failure. Heat comes from rhocp, with all plastic work",
+         stress, else `largest_stress`, which the rate scales (icc 1). epsmax is the strain of \
+         failure. Heat comes from rhocp, with all plastic work",
     )
     .aliases(&["/MAT/PLAS_JOHNS"])
     .unused(&[
         REFERENCE,
         ignored("chard", "hardening is isotropic, which differs when the load reverses"),
-        no_effect("icc", "sigmax is read without a rate only"),
         FILTER,
     ]),
     Keyword::new(

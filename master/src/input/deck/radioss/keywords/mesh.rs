@@ -1,10 +1,10 @@
 //! Run, units, nodes, elements.
 
-use super::{TITLE, harmless, not_yet};
+use super::{ANY, TITLE, harmless, not_yet};
 use crate::input::deck::table::{
     Keyword,
     Times::{Maybe, Once, Rest},
-    no_effect, refused,
+    ignored, no_effect, refused,
 };
 
 pub const MODEL: &[Keyword] = &[
@@ -30,6 +30,19 @@ pub const MODEL: &[Keyword] = &[
     harmless("/IOFLAG", "it controls the listing"),
     harmless("/AMS", "it acts only with /DT/AMS in the engine file"),
     harmless("/SPMD", "`[parallel]` of a job divides the model"),
+    harmless("/MEMORY", "memory grows with the model"),
+    harmless("/SHFRA", "the axes of a shell are those of its formulation").options(ANY),
+    harmless(
+        "/ALE/BCS",
+        "it holds nodes of a mesh that moves on its own; here it moves with the \
+        material, which `/BCS` holds",
+    ),
+    Keyword::new("/RANDOM", &[("noise:r20 seed:r20", Once)], "a noise of 0 is no noise")
+        .aliases(&["/RANDOM/GRNOD"])
+        .unused(&[
+            ignored("noise", "nodes stay where they are, without noise"),
+            no_effect("seed", "it is that of the noise"),
+        ]),
     harmless("/DEFAULT/INTER/TYPE7", "it has defaults of contact, of which none has a counterpart"),
     harmless("/DEFAULT/INTER/TYPE24", "as above"),
     harmless("/DEFAULT/INTER/TYPE25", "as above"),

@@ -10,6 +10,8 @@ mod output;
 mod parts;
 mod sets;
 
+pub use engine::ENGINE_DAMP;
+
 use crate::input::deck::keywords::{KeywordRow, similar};
 use crate::input::deck::table::{Card, Effect, Keyword, Times};
 use std::collections::HashMap;
