@@ -444,8 +444,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "the same with a card for each axis (dof 1 to 6): type 0, with the stiffness k or the \
          curve flcid, as of MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM; type 1: `yielding` with the \
          stiffness k and the curve flcid of yield forces over plastic displacement, as of \
-         MAT_NONLINEAR_PLASTIC_DISCRETE_BEAM, or elastic without the curve. The damping is d and the curve hlcid. A beam fails \
-         when one axis reaches its limit: tdf, or cdf for negative displacements",
+         MAT_NONLINEAR_PLASTIC_DISCRETE_BEAM, or elastic without the curve. The damping is d and \
+         the curve hlcid. A beam fails when one axis reaches its limit: tdf, or cdf for negative displacements",
     )
     .unused(&[
         no_effect("unused1 unused2 unused3 unused4", "no field of the format"),

@@ -7,7 +7,7 @@
 //! ```
 //! Beyond the points of both, `f_u` is not larger than `f_l` either.
 //! K is at least the slope of both curves, so that a step of any size is exact as long as the
-//! elongation keeps its direction. Through the origin a spring begins anew, with F = 0 there. A
+//! elongation keeps its direction. A spring that passes the origin begins again with F = 0. A
 //! loop takes the area between the curves.
 //!
 //! Permanent set: with the largest elongation a so far and `d = q a`,
@@ -17,8 +17,8 @@
 //! ```
 //! which gives back `f_l(a) (a - d)/3`; a curve with a smaller area up to a is refused. The slope
 //! just below a is `2 f_l(a)/(a (1 - q))`. In steps that go from loading to unloading a mode grows
-//! from 0.95 of the step of this slope on (measured), so that the step has its sum with the slope of
-//! the loading curve.
+//! from 0.95 of the step of this slope on (measured), so that the step has its sum with the slope
+//! of the loading curve.
 
 use super::plastic::loading_fault;
 use super::{AddSpringProblem, SpringLaw, number, points};
