@@ -276,6 +276,9 @@ fn bits_do_not_depend_on_workers() {
     let model = model(&scene);
     let serial = run_side_by_side(&model, 1, 600, 0);
     assert!(serial.trouble.is_none(), "{:?}", serial.trouble);
+    let end = run_alone(&model, |_| {});
+    let broken = end.blocks.elements.iter().filter(|e| e.record.failed).count();
+    assert!((1..=12).contains(&broken), "{broken} of 12 beams that can fail");
     for (workers, force) in [(2, 0), (3, 0), (2, 7), (3, 11)] {
         let parallel = run_side_by_side(&model, workers, 600, force);
         assert_eq!(serial.digest(), parallel.digest(), "{workers} workers, renewed every {force}");

@@ -445,7 +445,8 @@ pub const KEYWORDS: &[Keyword] = &[
          curve flcid, as of MAT_NONLINEAR_ELASTIC_DISCRETE_BEAM; type 1: `yielding` with the \
          stiffness k and the curve flcid of yield forces over plastic displacement, as of \
          MAT_NONLINEAR_PLASTIC_DISCRETE_BEAM, or elastic without the curve. The damping is d and \
-         the curve hlcid. A beam fails when one axis reaches its limit: tdf, or cdf for negative displacements",
+         the curve hlcid. A beam fails when one axis reaches its limit: tdf, or cdf for negative \
+         displacements",
     )
     .unused(&[
         no_effect("unused1 unused2 unused3 unused4", "no field of the format"),
