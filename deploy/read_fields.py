@@ -33,6 +33,8 @@ CELL_ARRAYS = {
     "class": 1,
     "element_id": 1,
 }
+# Arrays that only some runs have.
+OPTIONAL = {"damage": 1}
 INTERIOR, INTERFACE, EXTERIOR = 0, 1, 2
 
 
@@ -88,6 +90,7 @@ def check_arrays(path, grid):
         ("point", grid.point_data, POINT_ARRAYS),
         ("cell", grid.cell_data, CELL_ARRAYS),
     ):
+        declared = declared | {name: n for name, n in OPTIONAL.items() if name in data.keys()}
         if set(data.keys()) != set(declared):
             raise Wrong(f"{path}: {place} arrays are {sorted(data.keys())}, not {sorted(declared)}")
         for name, components in declared.items():

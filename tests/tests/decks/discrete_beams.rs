@@ -115,6 +115,11 @@ fn springs_that_yield_and_fail() {
 
     let said = refused(&format!("{parts}{}", plastic.replace("3,0,3.0", "3,0,4.0")));
     assert!(said.contains("`scoor` = 2 is not supported: the springs on s and t differ"), "{said}");
+    // Limits of tension alone would depend on the direction of s and t.
+    let torn =
+        plastic.replace("2,0,3.0\n", "2,0,3.0,,,1.0\n").replace("3,0,3.0\n", "3,0,3.0,,,1.0\n");
+    let said = refused(&format!("{parts}{torn}"));
+    assert!(said.contains("`scoor` = 2 is not supported"), "{said}");
     let parts = parts.replace("102,4,6,12", "102,4,6,17") + "*NODE\n17,10.0,0.0,10.0\n";
     let said = refused(&format!("{parts}{plastic}"));
     assert!(said.contains("the nodes of discrete beam 102 are at one place"), "{said}");

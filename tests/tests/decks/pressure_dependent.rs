@@ -108,7 +108,7 @@ fn cards_with_other_meanings_are_refused() {
                 .replace("1e-3,0.2", "0,0.2"),
             "the rate above 0",
         ),
-        (CONCRETE.replace("FS", "0").replace("0.016,0.001", "0.001,0.016"), "softer"),
+        (CONCRETE.replace("FS", "0").replace("0.016,0.001", "0.001,0.016"), "the last the largest"),
     ] {
         assert_refused(&cube(&deck), &[words]);
     }

@@ -192,7 +192,7 @@ const ROLES: &[(&str, &str)] = &[
     ),
     (
         "INTEGRATION_BEAM",
-        "nip=1 ra=1 icst=1 k=1 d1=l d2=l d3=l d4=l sref=1 tref=1 d5=l d6=l s=1 t=1 wf=1",
+        "irid=#r nip=1 ra=1 icst=1 k=1 d1=l d2=l d3=l d4=l sref=1 tref=1 d5=l d6=l s=1 t=1 wf=1",
     ),
     ("HOURGLASS", "ihq=1 qm=1 ibq=1 q1=1 q2=1 qb=1 qw=1"),
     ("MAT_ELASTIC", "ro=d e=p pr=1 da=1 db=1 k=p"),

@@ -271,6 +271,11 @@ impl Submodel {
             "MAT_ADD_DAMAGE_GISSMO" | "MAT_ADD_EROSION" => {
                 self.negative_curves(record, &["ecrit"]);
             }
+            // A rule of integration.
+            "SECTION_BEAM" if record.real("qr") < 0.0 => {
+                let rule = self.id(OffsetKind::Other, -record.real("qr") as i64);
+                record.put("qr", -(rule as f64));
+            }
             "PART" | "CONSTRAINED_NODAL_RIGID_BODY" if record.line("ixx").is_some() => {
                 self.inertia(record);
             }

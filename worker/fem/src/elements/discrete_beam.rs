@@ -182,6 +182,12 @@ fn read(part: &Part) -> Result<DiscreteBeam, Vec<Problem>> {
         let help = "give `failure_tension`, `failure_compression` or `failure_force` on an axis";
         say("failure", "no axis has a limit".into(), help);
     }
+    // A force on r turns with the line: the stable step counts that of the stiffness only.
+    let [along, ..] = &springs;
+    if input.along_line && (along.preload != 0.0 || along.elastic != 0.0 || along.start != 0.0) {
+        let help = "remove `along_line`, or the preload and the initial displacement on r";
+        say("along_line", "the spring on r has a force at the start".into(), help);
+    }
     let mut column = SPRINGS;
     for spring in &mut springs {
         spring.column = column;
@@ -189,7 +195,7 @@ fn read(part: &Part) -> Result<DiscreteBeam, Vec<Problem>> {
     }
     let (Some((r, s)), true) = (axes, problems.is_empty()) else { return Err(problems) };
     let columns = [r, s, r.cross(&s)];
-    Ok(DiscreteBeam {
+    let beam = DiscreteBeam {
         mass: input.mass,
         inertia: input.inertia,
         axes: AxesRotation::from_rotation_matrix(&Rotation3::from_basis_unchecked(&columns)),
@@ -198,7 +204,15 @@ fn read(part: &Part) -> Result<DiscreteBeam, Vec<Problem>> {
         springs,
         viscous,
         failure: input.failure,
-    })
+    };
+    let starts = [|s: &SpringOfAxis| s.start, |s: &SpringOfAxis| s.preload]
+        .map(|of| std::array::from_fn(|c| of(&beam.springs[c])));
+    if beam.fails(&starts[0], &starts[1]) {
+        let what = format!("part {}: its beams fail at the start", part.label());
+        let help = "give larger limits, or a smaller preload or initial displacement";
+        return Err(vec![Problem::error("discrete_beam.spring", what, help)]);
+    }
+    Ok(beam)
 }
 
 /// Returns true for a spring without any force.

@@ -127,7 +127,7 @@ pub fn laws_of_solids() -> Vec<Material> {
         ("rate", Param::List(vec![0.05, 1e-3])),
         ("hugoniot_elastic_limit", Param::List(vec![5.0, 2.5])),
         ("damage", Param::List(vec![0.5, 0.7])),
-        ("pressure", Param::List(vec![81.3, 20.0, 30.0])),
+        ("pressure", Param::List(vec![80.0, 20.0, 30.0])),
     ];
     let crushed = [
         ("strength_constants", Param::List(vec![0.8, 1.6, 0.6])),
@@ -171,7 +171,7 @@ pub fn laws_of_solids() -> Vec<Material> {
         of("cscm", &concrete, &surfaces),
         of(
             "johnson_holmquist_ceramic",
-            &[("shear_modulus", 39.7), ("tensile_strength", 3.0), ("bulking", 1.0)],
+            &[("shear_modulus", 40.0), ("tensile_strength", 3.0), ("bulking", 1.0)],
             &ceramic,
         ),
         of(

@@ -278,6 +278,10 @@ impl DeckConverter {
             self.missing(card.place("qr"), "*INTEGRATION_BEAM", number, &known);
             return None;
         };
+        if rules.iter().filter(|other| other.integer("irid") == number).count() > 1 {
+            let message = format!("there are two *INTEGRATION_BEAM with the id {number}");
+            self.trouble.error(rule.place("irid"), message, "give each a different id");
+        }
         if rule.integer("icst") != WIDE_FLANGE {
             let why = "1 (W, an I with equal flanges) is supported; give elform 2 with the area \
                        and the moments of the section";

@@ -116,6 +116,10 @@ impl DeckConverter {
                     ("any", law.head)
                 }
                 UNLOADING if law.real("fcrit") == 0.0 => ("by_sign", law.place("fcrit")),
+                UNLOADING if law.real("fcrit") != 1.0 => {
+                    self.unsupported_value(&law, "fcrit", "use 0 or 1");
+                    ("by_sign", law.place("fcrit"))
+                }
                 _ => ("together", law.head),
             };
             table.put("failure", failure.1, failure.0);
@@ -375,6 +379,12 @@ impl DeckConverter {
                 if card.real(field) != 0.0 {
                     own.put(key, card.place(field), card.real(field).abs());
                 }
+                if field == "cdf" && card.real(field) != 0.0 {
+                    let asked = format!("cdf of dof {dof}");
+                    let used =
+                        "acts on beams of any length; the format leaves out those without one";
+                    self.map(law.name(), asked, used);
+                }
             }
             springs.push(own);
         }
@@ -384,6 +394,13 @@ impl DeckConverter {
     /// Returns true if a law has the same springs along s and t, and the same about them.
     fn alike_across(&self, law: &CardRecord) -> bool {
         let points = |id: f64| self.curves.get(&(id as i64)).map(|curve| &curve.points);
+        // Both directions of an axis are alike too: points from 0 on, or odd ones.
+        let is_odd = |id: f64| {
+            points(id).is_none_or(|points| {
+                let mirrored = points.iter().rev().map(|p| p.map(|x| 0.0 - x));
+                points.first().is_none_or(|p| p[0] >= 0.0) || points.iter().copied().eq(mirrored)
+            })
+        };
         let same_curve = |a: f64, b: f64| a == b || points(a).is_some() && points(a) == points(b);
         if law.row.keyword.name == GENERAL {
             let [cards, curves] =
@@ -391,9 +408,11 @@ impl DeckConverter {
             let of_axis = |dof: i64| cards.iter().position(|card| card.integer("dof") == dof);
             let same = |a: usize, b: usize| {
                 let of = |k: usize, field| curves.get(k).map_or(0.0, |line| line.real(field));
-                ["type", "k", "d", "cdf", "tdf"]
-                    .iter()
-                    .all(|field| cards[a].real(field) == cards[b].real(field))
+                cards[a].real("cdf").abs() == cards[a].real("tdf").abs()
+                    && ["flcid", "hlcid"].iter().all(|field| is_odd(of(a, field)))
+                    && ["type", "k", "d", "cdf", "tdf"]
+                        .iter()
+                        .all(|field| cards[a].real(field) == cards[b].real(field))
                     && ["flcid", "hlcid"].iter().all(|field| same_curve(of(a, field), of(b, field)))
             };
             return [(2, 3), (5, 6)].iter().all(|&(s, t)| match (of_axis(s), of_axis(t)) {
@@ -417,6 +436,16 @@ impl DeckConverter {
         let curves = [elastic, viscous, YIELD_CURVES, UNLOADING_CURVES];
         let pairs = [(1, 2), (4, 5)];
         let number = |field: &str| law.real(field);
+        let across = [1, 2, 4, 5];
+        let is_directed = |c: usize| {
+            number(PRELOADS[c]) != 0.0
+                || number(STARTS[c]) != 0.0
+                || number(LIMITS_IN_TENSION[c]) != number(LIMITS_IN_COMPRESSION[c])
+                || curves.iter().any(|of| !is_odd(number(of[c])))
+        };
+        if across.into_iter().any(is_directed) {
+            return false;
+        }
         numbers.iter().all(|of| pairs.iter().all(|&(s, t)| number(of[s]) == number(of[t])))
             && curves
                 .iter()

@@ -50,7 +50,7 @@ pub fn part(
             let spring = beam.spring.iter().find(|spring| spring.axis == axis);
             spring.map(|spring| AxisSpring { axis: a, ..spring.clone() })
         };
-        of(a) == of(b)
+        of(a) == of(b) && of(a).is_none_or(|spring| is_alike_both_ways(&spring))
     };
     let across = [[BeamAxis::S, BeamAxis::T], [BeamAxis::Rs, BeamAxis::Rt]];
     let has_line =
@@ -331,4 +331,18 @@ fn unmirrored(table: &[[f64; 2]]) -> Vec<[f64; 2]> {
         [[0.0, 0.0], [x, y], ..] => [&[[-x, -y]], table].concat(),
         _ => table.to_vec(),
     }
+}
+
+/// Returns true for a spring that is the same in both directions, which a card with scoor 2 or -2
+/// needs across the line.
+fn is_alike_both_ways(spring: &AxisSpring) -> bool {
+    let is_odd = |points: &[[f64; 2]]| {
+        let mirrored = points.iter().rev().map(|p| p.map(|x| 0.0 - x));
+        points.first().is_none_or(|p| p[0] >= 0.0) || points.iter().copied().eq(mirrored)
+    };
+    [spring.preload, spring.initial_displacement] == [0.0; 2]
+        && spring.failure_tension == spring.failure_compression
+        && is_odd(&spring.force_elongation)
+        && is_odd(&spring.force_rate)
+        && spring.yielding.iter().all(|yielding| is_odd(&yielding.yield_force))
 }

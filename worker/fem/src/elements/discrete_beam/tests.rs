@@ -345,3 +345,31 @@ fn wrong_numbers_are_named() {
     assert!(said.iter().any(|p| p.message.contains("no axis has a limit")));
     assert!(said.iter().any(|p| p.message.contains("its discrete beams carry no force")));
 }
+
+/// Beams that would fail at once, a force at the start that turns with the line, and yield forces
+/// of one direction only are errors.
+#[test]
+fn starts_that_cannot_be_are_named() {
+    let said = |change: &dyn Fn(&mut DiscreteBeamInput)| {
+        let mut part = part_of(TurningNode::First, 0.0);
+        change(part.discrete_beam.as_mut().expect("a discrete beam"));
+        read(&part).err().map_or(String::new(), |problems| problems[0].message.clone())
+    };
+    let start = |way: f64| {
+        said(&move |input| {
+            input.spring[0].initial_displacement = way;
+            input.spring[0].failure_tension = Some(1.0);
+        })
+    };
+    assert_eq!(start(0.9), "");
+    assert!(start(1.0).contains("its beams fail at the start"));
+    let led = said(&|input| (input.along_line, input.spring[0].preload) = (true, 0.5));
+    assert!(led.contains("the spring on r has a force at the start"), "{led}");
+    let one_way = said(&|input| {
+        let yield_force = vec![[-1.0, -6.0], [0.0, -4.0]];
+        let spring = &mut input.spring[0];
+        (spring.stiffness, spring.force_elongation) = (0.0, Vec::new());
+        spring.yielding = Some(YieldingSpring { stiffness: 10.0, yield_force });
+    });
+    assert!(one_way.contains("points of compression only"), "{one_way}");
+}

@@ -101,6 +101,11 @@ impl Plastic {
         if !sound {
             return None;
         }
+        if yield_force[0][0] < 0.0 && yield_force[yield_force.len() - 1][0] <= 0.0 {
+            let help = "give points above 0 too, or points from 0 on for both directions";
+            say(key, "yield_force has points of compression only".into(), help);
+            return None;
+        }
         let sides = [1.0, -1.0].map(|side| side_of(yield_force, side));
         for side in &sides {
             if let Some([at, _]) = side.iter().find(|p| p[1] < 0.0) {

@@ -40,7 +40,8 @@ fn loading_curve(
     let line = PiecewiseLinear::new(given, 0.0);
     if let Some(fault) = loading_fault(&line) {
         let name = key.rsplit('.').next().unwrap_or(key);
-        say(key, format!("{name} {fault}"), "tension has forces of 0 or above");
+        let help = "give forces that are 0 at 0 and have the sign of the displacement, not all 0";
+        say(key, format!("{name} {fault}"), help);
         return None;
     }
     Some(line)

@@ -12,8 +12,10 @@
 //! ```text
 //! dp <- -K1 mu + sqrt((K1 mu + dp)^2 + 2 beta K1 dU)
 //! ```
-//! In tension there is no bulking. The source adds dp in compression only; here the pressure is
-//! continuous at the volume of the start. Rates below the reference rate count as this rate.
+//! dU takes the strength after damage in the pressure of a first estimate of dp, so that no more
+//! energy is added than lost. In tension there is no bulking. The source adds dp in compression
+//! only; here the pressure is continuous at the volume of the start. Rates below the reference rate
+//! count as this rate.
 
 use super::super::parameters::Parameters;
 use super::super::{DefaultValue, Law, SolidLawResult};
@@ -80,7 +82,7 @@ struct Ceramic {
     intact: [f64; 2],
     fractured: [f64; 2],
     largest: f64,
-    rate: RateFactor,
+    rate: LogarithmicRate,
     tension: f64,
     /// Strength and pressure at the Hugoniot elastic limit [force/length^2].
     limit: [f64; 2],
@@ -103,7 +105,7 @@ fn read(mut parameters: Parameters<'_>) -> Result<Ceramic, Vec<Problem>> {
     let intact = needed_constants(table, INTACT, wanted, powers);
     let fractured = constants(table, BROKEN, wanted, powers).unwrap_or([0.0, 1.0]);
     let largest = table.optional(STRONGEST, "above 0", |most| most > 0.0);
-    let rate = RateFactor::read(table);
+    let rate = LogarithmicRate::read(table);
     let tension = table.required(TENSION, "0 or above", |t| t >= 0.0);
     let limit = needed_constants(
         table,
@@ -152,6 +154,32 @@ impl Ceramic {
     }
 }
 
+impl Ceramic {
+    /// Adds the pressure of bulking for damage from one value to the other.
+    fn bulk(&self, own: &mut [f64], step: &PointStep, [before, after]: [f64; 2]) {
+        let k1 = self.pressure[0];
+        let linear = k1 * step.compaction;
+        let sum = linear + own[BULK];
+        // In tension the root would turn the sign of the pressure.
+        if self.bulking == 0.0 || sum < 0.0 {
+            return;
+        }
+        let energy = |damage: f64, pressure: f64| {
+            let strength = self.strength_with(damage, pressure, step.rate).max(0.0);
+            strength * strength / (6.0 * self.elastic.shear)
+        };
+        let at_start = energy(before, step.pressure);
+        let bulked = |more: f64| {
+            let lost = (at_start - energy(after, step.pressure + more)).max(0.0);
+            (2.0 * k1).mul_add(self.bulking * lost, sum * sum).sqrt() - linear
+        };
+        // The strength grows with the pressure that bulking adds. With the first estimate of it the
+        // second adds no more energy than the deviator loses.
+        let first = bulked(0.0);
+        own[BULK] = bulked(first - own[BULK]).max(own[BULK]);
+    }
+}
+
 impl PressureDependent for Ceramic {
     fn columns(&self) -> &'static [&'static str] {
         &[VOLUME_COLUMN, "stiffening", "plastic_strain", "failed", "damage", "bulking"]
@@ -175,21 +203,15 @@ impl PressureDependent for Ceramic {
     }
 
     fn advance(&self, own: &mut [f64], step: &PointStep) -> bool {
-        let &PointStep { compaction, free, pressure, flow, plastic_strain, rate } = step;
+        let &PointStep { free, pressure, flow, plastic_strain, .. } = step;
         if let Some([d1, d2]) = self.damage.filter(|_| flow > 0.0) {
             let before = own[BREAK];
             let over = ((pressure + self.tension) / self.limit[1]).max(0.0);
             let strain = d1 * over.powf(d2);
             let after = if flow < (1.0 - before) * strain { before + flow / strain } else { 1.0 };
             own[BREAK] = after;
-            let strengths = [before, after].map(|d| self.strength_with(d, pressure, rate).max(0.0));
-            let energy = strengths.map(|y| y * y / (6.0 * self.elastic.shear));
-            let lost = self.bulking * (energy[0] - energy[1]);
-            let linear = self.pressure[0] * compaction;
-            let sum = linear + own[BULK];
-            // In tension the root would turn the sign of the pressure.
-            if lost > 0.0 && sum >= 0.0 {
-                own[BULK] = (2.0 * self.pressure[0]).mul_add(lost, sum * sum).sqrt() - linear;
+            if after > before {
+                self.bulk(own, step, [before, after]);
             }
         }
         self.failure.are_reached(plastic_strain, free)

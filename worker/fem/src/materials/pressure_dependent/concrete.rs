@@ -99,7 +99,7 @@ struct PorousConcrete {
     strength: [f64; 3],
     compressive: f64,
     largest: f64,
-    rate: RateFactor,
+    rate: LogarithmicRate,
     tension: f64,
     /// Compaction and pressure where the line begins and ends.
     line: [[f64; 2]; 2],
@@ -149,7 +149,7 @@ fn read(mut parameters: Parameters<'_>) -> Result<PorousConcrete, Vec<Problem>> 
         needed_constants(table, STRENGTH, wanted, |l: &[f64; 3]| l.iter().all(|x| *x >= 0.0));
     let compressive = table.required(COMPRESSIVE, "above 0", |f| f > 0.0);
     let largest = table.optional(STRONGEST, "above 0", |most| most > 0.0);
-    let rate = RateFactor::read(table);
+    let rate = LogarithmicRate::read(table);
     let tension = table.required(TENSION, "0 or above", |t| t >= 0.0);
     let positive = |point: &[f64; 2]| point[0] > 0.0 && point[1] > 0.0;
     let crushing = needed_constants(table, CRUSHING, "[mu_c, p_c], both above 0", positive);

@@ -160,9 +160,9 @@ fn check_growth(parameters: &mut Parameters<'_>, [k1, k2, k3]: [f64; 3]) {
 }
 
 /// Effect of the strain rate on the strength: C and the reference rate.
-struct RateFactor([f64; 2]);
+struct LogarithmicRate([f64; 2]);
 
-impl RateFactor {
+impl LogarithmicRate {
     fn read(parameters: &mut Parameters<'_>) -> Self {
         let wanted = "[C, reference rate], C 0 or above and the rate above 0";
         let given = constants(parameters, RATE, wanted, |c: &[f64; 2]| c[0] >= 0.0 && c[1] > 0.0);

@@ -6,8 +6,8 @@
 //! J sigma/2 = a (B - B_zz 1) + b (B_zz (B - tr B 1) + D 1),   J = sqrt(III)
 //! ```
 //! The first equation grows with B_zz; its root is found by Newton steps from III = 1. The history
-//! holds B - 1 in the axes of the element. Where rubber stiffens at large stretch the stable step
-//! does not follow it, as it does in solids.
+//! holds B - 1 in the axes of the element. The stable step has the moduli at the start: it does not
+//! follow the rubber where it stiffens, in compression and at large stretch, as it does in solids.
 
 use super::super::tensor::stretch;
 use crate::materials::{Elastic, PlaneStress, Points, STRETCH_COLUMN};
