@@ -1,6 +1,7 @@
 //! The deck of tests that add a few lines: a plate of two shells above a cube.
 
 use crumple::input::job::{Model, read};
+use crumple_proto::partition::{Material, Param};
 use crumple_tests::program::{crumple_with, run};
 use std::fs;
 
@@ -77,4 +78,29 @@ pub fn read_with(sets: &[&str], lines: &str) -> Model {
     fs::write(&path, format!("{BASE}{STEEL}{MOVES}{lines}*END\n")).unwrap();
     let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
     read(&path, &sets).unwrap_or_else(|report| panic!("{report}"))
+}
+
+/// Returns a deck of a cube of 10 with a material.
+pub fn cube(material: &str) -> String {
+    format!(
+        "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nblock\n1,1,1\n*SECTION_SOLID\n1,1\n\
+         *NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n\
+         8,0,10,10\n*ELEMENT_SOLID\n1,1,1,2,3,4,5,6,7,8\n{material}"
+    )
+}
+
+/// Returns a parameter of a material that is a number.
+pub fn number(material: &Material, key: &str) -> f64 {
+    match material.parameters.get(key) {
+        Some(Param::Number(value)) => *value,
+        other => panic!("{key}: {other:?}"),
+    }
+}
+
+/// Returns a parameter of a material that is a list.
+pub fn list(material: &Material, key: &str) -> Vec<f64> {
+    match material.parameters.get(key) {
+        Some(Param::List(list)) => list.clone(),
+        other => panic!("{key}: {other:?}"),
+    }
 }

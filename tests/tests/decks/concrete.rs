@@ -1,17 +1,8 @@
 //! Concrete of decks: constants by the strength in all units, cards as they are, what is refused.
 
-use crate::base::{assert_refused, model_of};
+use crate::base::{assert_refused, cube, list, model_of, number};
 use crumple::input::job::Model;
 use crumple_proto::partition::{Material, Param};
-
-/// A cube of 10 with a material.
-fn cube(material: &str) -> String {
-    format!(
-        "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nblock\n1,1,1\n*SECTION_SOLID\n1,1\n\
-         *NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n\
-         8,0,10,10\n*ELEMENT_SOLID\n1,1,1,2,3,4,5,6,7,8\n{material}"
-    )
-}
 
 fn fitted(first: &str, last: &str) -> Model {
     model_of(&cube(&format!("*MAT_CSCM_CONCRETE\n{first}\n0\n{last}\n")))
@@ -19,20 +10,6 @@ fn fitted(first: &str, last: &str) -> Model {
 
 fn concrete(model: &Model) -> &Material {
     model.settings.materials.iter().find(|m| m.law == "cscm").expect("concrete")
-}
-
-fn number(material: &Material, key: &str) -> f64 {
-    match material.parameters.get(key) {
-        Some(Param::Number(value)) => *value,
-        other => panic!("{key}: {other:?}"),
-    }
-}
-
-fn list(material: &Material, key: &str) -> Vec<f64> {
-    match material.parameters.get(key) {
-        Some(Param::List(list)) => list.clone(),
-        other => panic!("{key}: {other:?}"),
-    }
 }
 
 /// FHWA-HRT-05-062, ch. 3, at 30 MPa: moduli, meridian, cap, times of the rate. The strength in

@@ -1,33 +1,10 @@
 //! Ceramics, concrete in high pressures and soil of decks: keys by the cards, what is refused.
 
-use crate::base::{assert_refused, model_of};
+use crate::base::{assert_refused, cube, list, model_of, number};
 use crumple_proto::partition::{Material, Param};
-
-/// A cube of 10 with a material.
-fn cube(material: &str) -> String {
-    format!(
-        "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nblock\n1,1,1\n*SECTION_SOLID\n1,1\n\
-         *NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n\
-         8,0,10,10\n*ELEMENT_SOLID\n1,1,1,2,3,4,5,6,7,8\n{material}"
-    )
-}
 
 fn material_of(cards: &str) -> Material {
     model_of(&cube(cards)).settings.materials[0].clone()
-}
-
-fn number(material: &Material, key: &str) -> f64 {
-    match material.parameters.get(key) {
-        Some(Param::Number(value)) => *value,
-        other => panic!("{key}: {other:?}"),
-    }
-}
-
-fn list(material: &Material, key: &str) -> Vec<f64> {
-    match material.parameters.get(key) {
-        Some(Param::List(list)) => list.clone(),
-        other => panic!("{key}: {other:?}"),
-    }
 }
 
 /// Constants of an alumina; `FS` stands for the field fs.

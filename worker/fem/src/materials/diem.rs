@@ -23,7 +23,7 @@ mod tests;
 use super::damaged::{DamageColumns, DamageLaw};
 use super::failed_points::FailedPoints;
 use super::gissmo::SIZE_COLUMN;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, divided};
 use super::polyline::{Beyond, RampCurve};
 use super::tensor::{Principal, deviator, inner, trace};
 use super::wrapped::{self, PointColumns};
@@ -172,13 +172,10 @@ pub struct DiemInput {
 
 /// Returns the material without its damage, and the damage; or all its problems.
 pub fn split(material: &Material) -> Result<(Material, Option<DiemInput>), Vec<Problem>> {
-    let is_own = |key: &str| key.starts_with("diem_");
-    if !material.parameters.keys().any(|key| is_own(key)) {
-        return Ok((material.clone(), None));
+    let (own, rest) = divided(material, "diem_");
+    if own.parameters.is_empty() {
+        return Ok((rest, None));
     }
-    let (mut own, mut rest) = (material.clone(), material.clone());
-    own.parameters.retain(|key, _| is_own(key));
-    rest.parameters.retain(|key, _| !is_own(key));
     let mut parameters = Parameters::new(&own);
     let gissmo = rest.parameters.keys().find(|key| key.starts_with("gissmo_"));
     if let (Some(other), Some(key)) = (gissmo, own.parameters.keys().next()) {
@@ -204,7 +201,7 @@ fn criterion(
     kind: usize,
     keys: &OnsetKeys,
 ) -> Option<OnsetCriterion> {
-    let rows = parameters.rows::<2>(keys.onset, CURVE);
+    let rows = parameters.ascending(keys.onset, (CURVE, WANTED), |point| point[1] > 0.0);
     let factor = keys.pressure.and_then(|key| parameters.optional(key, "a number", |_| true));
     let [displacement, energy] = [keys.displacement, keys.energy]
         .map(|key| parameters.optional(key, "0 or above", |x| x >= 0.0));
@@ -219,11 +216,6 @@ fn criterion(
         }
         return None;
     };
-    let ascends = rows.windows(2).all(|two| two[0][0] < two[1][0]);
-    if !(ascends && rows.iter().all(|row| row[1] > 0.0)) {
-        let help = format!("give {CURVE} with increasing abscissas, {WANTED}");
-        parameters.wrong(keys.onset, "is not such a curve", help);
-    }
     let growth = match (displacement, energy) {
         (Some(displacement), None) => DamageGrowth::Displacement(displacement),
         (None, Some(energy)) => DamageGrowth::Energy(energy),

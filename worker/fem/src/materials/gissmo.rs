@@ -20,7 +20,7 @@ mod tests;
 
 use super::damaged::{DamageColumns, DamageLaw};
 use super::failed_points::FailedPoints;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, divided};
 use super::polyline::{Beyond, RampCurve};
 use super::tensor::{deviator, inner, trace};
 use super::wrapped::{self, PointColumns};
@@ -119,21 +119,18 @@ enum Critical {
 
 /// Returns the material without its damage, and the damage; or all its problems.
 pub fn split(material: &Material) -> Result<(Material, Option<GissmoInput>), Vec<Problem>> {
-    let is_own = |key: &str| key.starts_with("gissmo_");
-    if !material.parameters.keys().any(|key| is_own(key)) {
-        return Ok((material.clone(), None));
+    let (own, rest) = divided(material, "gissmo_");
+    if own.parameters.is_empty() {
+        return Ok((rest, None));
     }
-    let (mut own, mut rest) = (material.clone(), material.clone());
-    own.parameters.retain(|key, _| is_own(key));
-    rest.parameters.retain(|key, _| !is_own(key));
     let mut parameters = Parameters::new(&own);
     let strains = |points: &[f64; 2]| points[1] > 0.0;
     let wanted = "and strains above 0";
-    let failure = ascending(&mut parameters, FAILURE, (CURVE, wanted), strains);
+    let failure = parameters.ascending(FAILURE, (CURVE, wanted), strains);
     if !parameters.given(FAILURE) {
         parameters.wrong(FAILURE, "is missing", "the other keys of damage need it");
     }
-    let of_critical = ascending(&mut parameters, CRITICAL, (CURVE, wanted), strains);
+    let of_critical = parameters.ascending(CRITICAL, (CURVE, wanted), strains);
     let share = |d: f64| (0.0..1.0).contains(&d);
     let damage = parameters.optional(CRITICAL_DAMAGE, "from 0 to below 1", share);
     if of_critical.is_some() && damage.is_some() {
@@ -145,8 +142,7 @@ pub fn split(material: &Material) -> Result<(Material, Option<GissmoInput>), Vec
     }
     let mut exponent = |key| parameters.optional(key, "above 0", |n| n > 0.0).unwrap_or(1.0);
     let [exponent, fading] = [EXPONENT, FADING].map(&mut exponent);
-    let sizes = ascending(
-        &mut parameters,
+    let sizes = parameters.ascending(
         SIZES,
         ("[[size, factor], ...]", "sizes from 0 on and factors above 0"),
         |point| point[0] >= 0.0 && point[1] > 0.0,
@@ -162,23 +158,6 @@ pub fn split(material: &Material) -> Result<(Material, Option<GissmoInput>), Vec
     let sizes = sizes.map(ramps);
     let input = GissmoInput { failure, critical, exponent, fading, sizes, failed_points };
     Ok((rest, Some(input)))
-}
-
-/// Returns the points of an optional curve whose abscissas ascend. Reports an error, and returns no
-/// points, if they do not, or if `fits` does not accept one.
-fn ascending(
-    parameters: &mut Parameters<'_>,
-    key: &'static str,
-    (form, wanted): (&str, &str),
-    fits: impl Fn(&[f64; 2]) -> bool,
-) -> Option<Vec<[f64; 2]>> {
-    let rows = parameters.rows::<2>(key, form)?;
-    let ascends = rows.windows(2).all(|two| two[0][0] < two[1][0]);
-    if !(ascends && rows.iter().all(fits)) {
-        let help = format!("give {form} with increasing abscissas, {wanted}");
-        parameters.wrong(key, "is not such a curve", help);
-    }
-    Some(rows)
 }
 
 /// Damage of a law.

@@ -132,6 +132,23 @@ impl<'a> Parameters<'a> {
         Some(rows)
     }
 
+    /// Returns the points of an optional curve whose abscissas ascend. Reports an error if they do
+    /// not, or if `fits` does not accept one; `wanted` says in words what it accepts.
+    pub fn ascending(
+        &mut self,
+        key: &'static str,
+        (form, wanted): (&str, &str),
+        fits: impl Fn(&[f64; 2]) -> bool,
+    ) -> Option<Vec<[f64; 2]>> {
+        let rows = self.rows::<2>(key, form)?;
+        let ascends = rows.windows(2).all(|two| two[0][0] < two[1][0]);
+        if !(ascends && rows.iter().all(fits)) {
+            let help = format!("give {form} with increasing abscissas, {wanted}");
+            self.wrong(key, "is not such a curve", help);
+        }
+        Some(rows)
+    }
+
     /// Returns `youngs_modulus`, `poisson` and the density.
     pub fn elastic(&mut self) -> Elastic {
         let density = self.density();
@@ -198,6 +215,14 @@ impl<'a> Parameters<'a> {
         }
         if self.problems.is_empty() { Ok(()) } else { Err(self.problems) }
     }
+}
+
+/// Returns a material with the keys that begin with `prefix`, and one with the others.
+pub(super) fn divided(material: &Material, prefix: &str) -> (Material, Material) {
+    let (mut own, mut rest) = (material.clone(), material.clone());
+    own.parameters.retain(|key, _| key.starts_with(prefix));
+    rest.parameters.retain(|key, _| !key.starts_with(prefix));
+    (own, rest)
 }
 
 /// Returns the problem of an unknown name, with the nearest known name and all known names.

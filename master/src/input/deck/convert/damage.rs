@@ -59,15 +59,23 @@ impl DeckConverter {
     /// Adds `*MAT_ADD_DAMAGE_GISSMO` to the materials.
     pub(super) fn damage(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
         for record in self.take_records("MAT_ADD_DAMAGE_GISSMO") {
-            let (id, place) = (record.integer("mid"), record.place("mid"));
-            let Some(material) = materials.get_mut(&id) else {
-                let known: Vec<String> = materials.keys().map(i64::to_string).collect();
-                self.missing(place, "*MAT_...", id, &known);
-                continue;
-            };
-            let Some(table) = &mut material.table else { continue };
+            let Some(table) = self.damaged_material(&record, materials) else { continue };
             self.gissmo(&record, "dtyp", table);
         }
+    }
+
+    /// Returns the material of a card of damage, if it can have any; it is missing with an error.
+    fn damaged_material<'m>(
+        &mut self,
+        record: &CardRecord,
+        materials: &'m mut HashMap<i64, DeckMaterial>,
+    ) -> Option<&'m mut JobTable> {
+        let id = record.integer("mid");
+        if !materials.contains_key(&id) {
+            let known: Vec<String> = materials.keys().map(i64::to_string).collect();
+            self.missing(record.place("mid"), "*MAT_...", id, &known);
+        }
+        materials.get_mut(&id)?.table.as_mut()
     }
 
     /// Converts the fields of the model, which both keywords have. `kind` is the field that says
@@ -134,16 +142,10 @@ impl DeckConverter {
     /// Adds `*MAT_ADD_DAMAGE_DIEM` to the materials.
     pub(super) fn damage_from_onset(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
         for record in self.take_records("MAT_ADD_DAMAGE_DIEM") {
-            let (id, place) = (record.integer("mid"), record.place("mid"));
-            let Some(material) = materials.get_mut(&id) else {
-                let known: Vec<String> = materials.keys().map(i64::to_string).collect();
-                self.missing(place, "*MAT_...", id, &known);
-                continue;
-            };
-            let Some(table) = &mut material.table else { continue };
+            let Some(table) = self.damaged_material(&record, materials) else { continue };
             let has_gissmo = table.place_of("gissmo_failure_strain");
             if let Some(first) = table.place_of("diem_failed_points").or(has_gissmo) {
-                self.second_card(&record, "damage", [first, place]);
+                self.second_card(&record, "damage", [first, record.place("mid")]);
                 continue;
             }
             let count = record.real("ndiemc");

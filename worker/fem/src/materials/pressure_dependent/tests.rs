@@ -360,17 +360,17 @@ fn soil_is_compacted() {
     assert!((pressure(&cube) - 0.002).abs() < 1e-12);
 }
 
-/// Closed random paths never give energy, also less what the cube still stores at their end.
+/// Closed random paths give no energy: the work is no less than what the deviator still stores.
 #[test]
 fn closed_paths_of_these_laws_cost_work() {
     let damage = |d1: f64| [("damage", list([d1, 1.0]))];
     let laws = [
-        (alumina(&[], &damage(0.02)), 1e-3, [K[0], ALUMINA_G]),
-        (concrete(&[], &damage(0.04)), 2e-4, [CRUSHES[1] / CRUSHES[0], CONCRETE_G]),
-        (concrete(&[], &damage(0.04)), 3e-3, [CRUSHES[1] / CRUSHES[0], CONCRETE_G]),
-        (soil(&[], &[]), 5e-3, [BULK, 0.1]),
+        (alumina(&[], &damage(0.02)), 1e-3, ALUMINA_G),
+        (concrete(&[], &damage(0.04)), 2e-4, CONCRETE_G),
+        (concrete(&[], &damage(0.04)), 3e-3, CONCRETE_G),
+        (soil(&[], &[]), 5e-3, 0.1),
     ];
-    for (law, size, [bulk, shear]) in &laws {
+    for (law, size, shear) in &laws {
         for seed in 0..20 {
             let mut cube = Cube::new(law);
             let mut noise = Noise(seed);
@@ -381,11 +381,10 @@ fn closed_paths_of_these_laws_cost_work() {
                     (0..40).for_each(|_| _ = cube.step(e.map(|e| sign * e), 1.0));
                 }
             }
-            // The moduli at the start are the least ones, so this is no less than what is stored.
-            let (mises, p) = (cube.von_mises(), pressure(&cube));
-            let stored = mises * mises / (6.0 * shear) + p * p / (2.0 * bulk);
-            let scale = stored.abs().max(1e-9);
-            assert!(cube.work > -1e-3 * scale, "{} {seed}: {} {stored}", law.law, cube.work);
+            // The pressure stores more. The tolerance is that of work by trapezoids.
+            let stored = cube.von_mises().powi(2) / (6.0 * shear);
+            let off = cube.work - stored;
+            assert!(off > -1e-3 * stored, "{} {seed}: {} {stored}", law.law, cube.work);
         }
     }
 }
