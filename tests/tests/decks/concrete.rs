@@ -2,7 +2,7 @@
 
 use crate::base::{assert_refused, cube, list, model_of, number};
 use crumple::input::job::Model;
-use crumple_proto::partition::{Material, Param};
+use crumple_proto::partition::Material;
 
 fn fitted(first: &str, last: &str) -> Model {
     model_of(&cube(&format!("*MAT_CSCM_CONCRETE\n{first}\n0\n{last}\n")))
