@@ -24,8 +24,11 @@ const LEAST_VOLUME: f64 = 0.55;
 
 /// A rubber with the constants of [`super::mooney_rivlin`].
 pub struct MooneyRivlinShell {
+    /// Elastic constants at the start.
     pub elastic: Elastic,
+    /// a [force/length^2].
     pub a: f64,
+    /// b [force/length^2].
     pub b: f64,
     /// d [force/length^2].
     pub d: f64,
