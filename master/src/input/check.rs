@@ -423,7 +423,8 @@ fn touching(c: &ContactInput) -> String {
     let mut words = if c.name.is_empty() { String::new() } else { format!("{}: ", c.name) };
     words += &list(&c.parts);
     if !c.against.is_empty() {
-        words += &format!(" against {}", list(&c.against));
+        let how = if c.one_way { "held by" } else { "against" };
+        words += &format!(" {how} {}", list(&c.against));
     }
     if !c.exclude.is_empty() {
         words += &format!(" without {}", list(&c.exclude));

@@ -106,6 +106,10 @@ pub struct ContactInput {
     /// table.
     #[schemars(with = "Vec<PartRef>")]
     pub against: Vec<u32>,
+    /// If true, segments of `against` hold nodes of `parts`, but not the other way round: nodes of
+    /// `against` go through segments of `parts`, and edges of the two do not touch. Not for law
+    /// `mortar`, which has no nodes.
+    pub one_way: bool,
     /// Parts that are in contact by interfaces only.
     #[schemars(with = "Vec<PartRef>")]
     pub exclude: Vec<u32>,
@@ -134,6 +138,8 @@ pub struct Interface {
     /// table.
     #[schemars(with = "Vec<PartRef>")]
     pub against: Vec<u32>,
+    /// As in `[contact]`, but false unless it is given here.
+    pub one_way: bool,
     /// Parts that do not belong to this interface.
     #[schemars(with = "Vec<PartRef>")]
     pub exclude: Vec<u32>,
@@ -187,6 +193,7 @@ impl ContactInput {
             name,
             parts,
             against,
+            one_way,
             exclude,
             law,
             friction,
@@ -238,6 +245,7 @@ impl ContactInput {
             thickness_limit: self.thickness_limit,
             parts,
             against,
+            one_way,
             exclude,
             parameters,
             interface: Vec::new(),
@@ -302,6 +310,7 @@ impl Default for ContactInput {
             thickness_limit: 1.0,
             parts: Vec::new(),
             against: Vec::new(),
+            one_way: false,
             exclude: Vec::new(),
             parameters: BTreeMap::new(),
             interface: Vec::new(),

@@ -4,6 +4,7 @@
 use crumple::input::job;
 use crumple_tests::sheets::distance_at_contact;
 use crumple_tests::{case, read, run_alone, run_side_by_side};
+use crumple_worker::contact::surface::Segment;
 use crumple_worker::engine::Engine;
 
 /// Pressing weight, mass and velocity of the block of `cases/slide`, and the duration of the
@@ -58,6 +59,41 @@ fn an_interface_of_the_two_parts_gives_the_bits_of_one_contact() {
         plain,
         "there are no other pairs"
     );
+}
+
+/// Nodes of the block slide on faces of the base; or nodes of the base are held by faces of the
+/// block. In both cases no pair has the other direction, and no edges touch.
+#[test]
+fn contact_of_one_way_holds_the_nodes_of_its_parts_only() {
+    for (parts, against) in [(2, 1), (1, 2)] {
+        let key = format!(
+            "contact.interface=[{{parts=[{parts}], against=[{against}], one_way=true, friction=0.3}}]"
+        );
+        let sets = ["end_time=0.3", "contact.law=none", &key];
+        let model = read(&case("slide"), &sets);
+        let index = |id: u32| model.settings.parts.iter().position(|p| p.id == id).unwrap() as u32;
+        let mut seen = 0;
+        let parts_of = [parts, against].map(index);
+        run_alone(&model, |e| {
+            let surface = &e.contact.as_ref().unwrap().surface;
+            let part_of = |node: u32| {
+                let has = |s: &&Segment| s.nodes.contains(&node);
+                surface.segments.iter().find(has).unwrap().part
+            };
+            for pair in e.contact.as_ref().unwrap().owned_table() {
+                let segment = surface.segments.iter().find(|s| s.id == pair.segment).unwrap();
+                assert_eq!([part_of(pair.nodes[0]), segment.part], parts_of);
+                assert!(pair.key.is_node(), "{:?}", pair.key);
+                seen += 1;
+            }
+        });
+        assert!(seen > 0, "{parts} against {against}");
+        let digests: Vec<String> = [1, 2, 3]
+            .into_iter()
+            .map(|workers| run_side_by_side(&model, workers, u64::MAX, 0).digest())
+            .collect();
+        assert!(digests.iter().all(|d| *d == digests[0]), "{digests:?}");
+    }
 }
 
 /// Returns the velocity at a time of a mass under friction that depends on the velocity, by

@@ -45,6 +45,26 @@ fn contacts_become_interfaces() {
     );
 }
 
+/// Contacts of nodes, and those of one way, hold the nodes of surfa only; that of segments (soft 2)
+/// holds both sides.
+#[test]
+fn contacts_of_one_way_hold_one_side() {
+    for (keyword, soft, one_way) in [
+        ("AUTOMATIC_NODES_TO_SURFACE", 0, true),
+        ("AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", 1, true),
+        ("ONE_WAY_SURFACE_TO_SURFACE", 0, true),
+        ("FORMING_ONE_WAY_SURFACE_TO_SURFACE", 0, true),
+        ("AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", 2, false),
+        ("AUTOMATIC_SURFACE_TO_SURFACE", 0, false),
+    ] {
+        let model = with(&format!("*CONTACT_{keyword}\n1,2,3,3\n\n\n{soft}\n"));
+        let contact = model.job.contact.as_ref().unwrap();
+        assert_eq!(contact.one_way, one_way, "{keyword}, soft {soft}");
+        let words = crumple::input::check::describe(&model);
+        assert_eq!(words.contains("parts 1 held by parts 2"), one_way, "{words}");
+    }
+}
+
 /// fs 2 selects the table fd: curves of the coefficient over the speed at ascending pressures. They
 /// follow the table, or it names them.
 #[test]

@@ -2,7 +2,8 @@
 //!
 //! Surface, search and solver are common to all interfaces. A pair belongs to the interface of
 //! its two parts. If a node or an edge belongs to several parts, the pair belongs to the last of
-//! their interfaces.
+//! their interfaces. An interface can hold in one direction only: for nodes of one part and
+//! segments of the other.
 
 use crate::beams;
 use crate::friction_table::FrictionTable;
@@ -15,8 +16,9 @@ const NONE: u16 = u16::MAX;
 #[derive(Clone, Debug)]
 pub struct Interfaces {
     numbers: Vec<InterfaceSettings>,
-    /// Interface of each two parts, row by row, by their indices; empty if there is one
-    /// interface and all parts of the surface are in it.
+    /// Interface of the nodes of a part with the segments of another one, by their indices, with a
+    /// row for the nodes of each part; empty if there is one interface and all parts of the surface
+    /// are in it.
     table: Vec<u16>,
     /// Number of parts.
     parts: usize,
@@ -37,6 +39,8 @@ struct InterfaceSettings {
     factor: f64,
     /// True if shells touch at their middle surface, see [`ContactInput::shell_offset`].
     shell_offset: bool,
+    /// True if only the nodes of one side are held, see [`ContactInput::one_way`].
+    one_way: bool,
     friction: f64,
     dynamic: f64,
     /// Decay constant of friction [time/length].
@@ -81,7 +85,9 @@ impl Interfaces {
                 for &a in ahead.iter().filter(|a| named(a)) {
                     for &b in behind.iter().filter(|b| named(b)) {
                         table[a * parts.len() + b] = interface;
-                        table[b * parts.len() + a] = interface;
+                        if !c.one_way {
+                            table[b * parts.len() + a] = interface;
+                        }
                     }
                 }
             }
@@ -99,8 +105,12 @@ impl Interfaces {
 
     /// Returns true if a part touches any part.
     pub fn takes_part(&self, part: usize) -> bool {
-        self.is_one()
-            || self.table[part * self.parts..(part + 1) * self.parts].iter().any(|&i| i != NONE)
+        let touches = |other: usize| {
+            [(part, other), (other, part)]
+                .iter()
+                .any(|(a, b)| self.table[a * self.parts + b] != NONE)
+        };
+        self.is_one() || (0..self.parts).any(touches)
     }
 
     /// Returns true if all parts on the surface touch in the same way.
@@ -108,8 +118,22 @@ impl Interfaces {
         self.table.is_empty()
     }
 
-    /// Returns the interface of an entity that belongs to the parts `ahead` with one that
+    /// Returns the interface of a node that belongs to the parts `ahead` with a segment that
     /// belongs to the parts `behind`, both given by indices; `None` if they do not touch.
+    pub fn for_node(
+        &self,
+        ahead: impl Iterator<Item = u32>,
+        behind: impl Iterator<Item = u32> + Clone,
+    ) -> Option<u16> {
+        if self.is_one() {
+            return Some(0);
+        }
+        ahead.flat_map(|a| behind.clone().filter_map(move |b| self.cell(a, b))).max()
+    }
+
+    /// Returns the interface of two edges or two segments that belong to the parts `ahead` and
+    /// `behind`, given by indices; `None` if they do not touch. Interfaces of one direction have
+    /// none.
     pub fn for_pair(
         &self,
         ahead: impl Iterator<Item = u32>,
@@ -118,10 +142,17 @@ impl Interfaces {
         if self.is_one() {
             return Some(0);
         }
-        let cell = |a: u32, b: u32| {
-            Some(self.table[a as usize * self.parts + b as usize]).filter(|&i| i != NONE)
+        let mutual = |i: &u16| !self.numbers[*i as usize].one_way;
+        let either = |a: u32, b: u32| {
+            [self.cell(a, b), self.cell(b, a)].into_iter().flatten().filter(mutual).max()
         };
-        ahead.flat_map(|a| behind.clone().filter_map(move |b| cell(a, b))).max()
+        ahead.flat_map(|a| behind.clone().filter_map(move |b| either(a, b))).max()
+    }
+
+    /// Returns the interface of the nodes of a part with the segments of another one.
+    fn cell(&self, nodes: u32, segments: u32) -> Option<u16> {
+        let place = nodes as usize * self.parts + segments as usize;
+        Some(self.table[place]).filter(|&i| i != NONE)
     }
 
     /// Returns half thickness and scale in an interface of an entity that has `half` and `scale`
@@ -222,6 +253,7 @@ impl InterfaceSettings {
             half: contact.thickness.map(|t| 0.5 * t),
             factor: contact.thickness_scale,
             shell_offset: contact.shell_offset,
+            one_way: contact.one_way,
             friction: contact.friction,
             dynamic: contact.friction_dynamic.unwrap_or(contact.friction),
             decay: contact.friction_decay,
@@ -280,6 +312,27 @@ mod tests {
             Some(0),
             "a node of two parts has the interface of the part with contact"
         );
+    }
+
+    /// Nodes of part 1 meet segments of part 2. An interface of both directions stays for the other
+    /// one, and for edges.
+    #[test]
+    fn an_interface_of_one_way_holds_the_nodes_of_its_parts() {
+        let one_way =
+            Interface { parts: vec![1], against: vec![2], one_way: true, ..Interface::default() };
+        let node = |i: &Interfaces, a: u32, b: u32| i.for_node([a].into_iter(), [b].into_iter());
+        let alone = Interfaces::new(&contact("none", vec![one_way.clone()]), &PARTS);
+        assert_eq!([node(&alone, 0, 1), node(&alone, 1, 0)], [Some(1), None]);
+        assert_eq!([between(&alone, 0, 1), between(&alone, 1, 0)], [None; 2]);
+        assert_eq!([0, 1, 2].map(|p| alone.takes_part(p)), [true, true, false]);
+        let over_all = Interfaces::new(&contact("lagrange", vec![one_way.clone()]), &PARTS);
+        assert_eq!([node(&over_all, 0, 1), node(&over_all, 1, 0)], [Some(1), Some(0)]);
+        assert_eq!([between(&over_all, 0, 1), between(&over_all, 1, 0)], [Some(0); 2]);
+        let back =
+            Interface { parts: vec![2], against: vec![1], one_way: true, ..Interface::default() };
+        let both = Interfaces::new(&contact("none", vec![one_way, back]), &PARTS);
+        assert_eq!([node(&both, 0, 1), node(&both, 1, 0)], [Some(1), Some(2)]);
+        assert_eq!(between(&both, 0, 1), None);
     }
 
     #[test]

@@ -488,7 +488,7 @@ impl Surface {
     /// they do not touch.
     pub fn interface_with(&self, place: usize, part: u32) -> Option<u16> {
         let parts: &[u32] = self.part_set.get(place).map_or(&[], |&s| &self.part_sets[s as usize]);
-        self.interfaces.for_pair(parts.iter().copied(), std::iter::once(part))
+        self.interfaces.for_node(parts.iter().copied(), std::iter::once(part))
     }
 
     /// Returns the sum of the half thicknesses of a node and a segment in an interface, and the

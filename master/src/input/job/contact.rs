@@ -135,7 +135,9 @@ fn hidden(contact: &ContactInput, job: &Job, said: &[String], numbers: &mut Numb
         let [ahead, behind] = c.sides(&ids);
         for (&a, &b) in ahead.iter().flat_map(|a| behind.iter().map(move |b| (a, b))) {
             last[a * ids.len() + b] = i;
-            last[b * ids.len() + a] = i;
+            if !c.one_way {
+                last[b * ids.len() + a] = i;
+            }
         }
     }
     for (i, path) in said.iter().enumerate().skip(1) {
@@ -192,8 +194,30 @@ fn check_one(
     let death = contact.death.unwrap_or(f64::INFINITY);
     need(death > contact.birth, "death", death, "later than `birth`");
     need(death > contact.birth || is_own("death"), "birth", contact.birth, "before `death`");
+    if contact.one_way && is_own("one_way") {
+        check_one_way(&at("one_way"), contact, numbers);
+    }
     if is_own("friction_table") {
         check_friction_table(&at("friction_table"), contact, is_own("friction"), numbers);
+    }
+}
+
+/// Refuses contact of one direction without two sides, and in a law without nodes.
+fn check_one_way(path: &str, contact: &ContactInput, numbers: &mut NumberChecks<'_>) {
+    let mut refuse = |message: &str, help: &str| {
+        numbers.findings.add(Problem::error(path, message, help));
+    };
+    if contact.against.is_empty() {
+        refuse(
+            "`one_way` needs two sides",
+            "name the parts whose faces hold the nodes of `parts` in `against`, or remove `one_way`",
+        );
+    }
+    if contact.law == "mortar" {
+        refuse(
+            "law \"mortar\" has no `one_way`: it holds faces against faces",
+            "choose another law, or remove `one_way`",
+        );
     }
 }
 

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Contacts that include the thickness of beams (LS-DYNA support, contact types 13 and 26).
 const WITH_BEAMS: [&str; 2] = ["CONTACT_AUTOMATIC_SINGLE_SURFACE", "CONTACT_AUTOMATIC_GENERAL"];
 
-pub(super) const KEYWORDS: [(&str, bool); 14] = [
+pub(super) const KEYWORDS: [(&str, bool); 15] = [
     ("CONTACT_AUTOMATIC_SINGLE_SURFACE", true),
     ("CONTACT_AUTOMATIC_GENERAL", true),
     ("CONTACT_SINGLE_SURFACE", true),
@@ -21,6 +21,7 @@ pub(super) const KEYWORDS: [(&str, bool); 14] = [
     ("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", false),
     ("CONTACT_AUTOMATIC_NODES_TO_SURFACE", false),
     ("CONTACT_SURFACE_TO_SURFACE", false),
+    ("CONTACT_ONE_WAY_SURFACE_TO_SURFACE", false),
     ("CONTACT_NODES_TO_SURFACE", false),
     ("CONTACT_ERODING_SURFACE_TO_SURFACE", false),
     ("CONTACT_ERODING_NODES_TO_SURFACE", false),
@@ -32,6 +33,9 @@ pub(super) const KEYWORDS: [(&str, bool); 14] = [
 /// Contact thickness of tools of forming contacts, as a fraction of that of their section: they
 /// have none, and the engine takes no zero.
 const OF_TOOLS: f64 = 1e-3;
+
+/// Value of `soft` for contact between segments.
+const BY_SEGMENTS: i64 = 2;
 
 /// Contacts whose option MORTAR selects the law of segments.
 const WITH_MORTAR: [&str; 2] =
@@ -73,6 +77,14 @@ impl Friction {
     fn bits(self) -> [u64; 4] {
         [self.fixed, self.sliding, self.decay, self.limit].map(f64::to_bits)
     }
+}
+
+/// Returns true if a contact of two sides holds only the nodes of the first. The formulation of
+/// segments (`soft` 2) has no nodes, and checks both sides.
+fn holds_one_side(record: &CardRecord) -> bool {
+    let keyword = record.row.keyword.name;
+    keyword.contains("NODES_TO_SURFACE")
+        || keyword.contains("ONE_WAY") && record.integer("soft") != BY_SEGMENTS
 }
 
 impl DeckConverter {
@@ -191,11 +203,16 @@ impl DeckConverter {
         let kind = record.row.keyword.name.replace("CONTACT_", "");
         let said =
             ["AUTOMATIC_", "ERODING_", "FORMING_"].iter().fold(kind, |n, w| n.replace(w, ""));
+        let one_way = !single && holds_one_side(record);
         let used = match single {
             true if table.has("parts") => "every part of its set with every other and itself",
             true => "every part with every other and itself",
+            false if one_way => "one_way: the faces of surfb hold the nodes of the parts of surfa",
             false => "the parts of one side with those of the other, in both directions",
         };
+        if one_way {
+            table.put("one_way", record.head, true);
+        }
         self.map(name, said.to_lowercase().replace('_', " "), used);
         self.with_beams(record, name, &mut table);
         self.options(record);

@@ -7,10 +7,11 @@ use crumple_proto::job::{ContactInput, Interface, Job};
 use toml::{Table, Value};
 
 /// Keys of `[contact]` and of interfaces that cards hold.
-const CARRIED: [&str; 12] = [
+const CARRIED: [&str; 13] = [
     "name",
     "parts",
     "against",
+    "one_way",
     "exclude",
     "friction",
     "friction_dynamic",
@@ -109,7 +110,8 @@ pub(super) fn between(job: &Job, sides: [&[u32]; 2]) -> Option<ContactInput> {
         && one.law == all[0].law
         && one.shell_offset == all[0].shell_offset
         && one.parameters == all[0].parameters;
-    let plain = one.birth == 0.0
+    let plain = !one.one_way
+        && one.birth == 0.0
         && one.death.is_none()
         && one.thickness.is_none()
         && one.thickness_scale == 1.0
@@ -161,10 +163,10 @@ fn card(
     heading: Option<(u64, &str)>,
 ) {
     let single = c.against.is_empty();
-    let keyword = if single {
-        "CONTACT_AUTOMATIC_SINGLE_SURFACE"
-    } else {
-        "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE"
+    let keyword = match (single, c.one_way) {
+        (true, _) => "CONTACT_AUTOMATIC_SINGLE_SURFACE",
+        (false, false) => "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE",
+        (false, true) => "CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE",
     };
     let keyword = format!("{keyword}{}", if c.law == MORTAR { "_MORTAR" } else { "" });
     // Sets come first, because the numbers of a card must directly follow its keyword.

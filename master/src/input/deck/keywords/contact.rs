@@ -91,7 +91,8 @@ const SINGLE: &str = "`[contact]`, from the second card on `[[contact.interface]
     other contacts it has no effect. Only AUTOMATIC_SINGLE_SURFACE and AUTOMATIC_GENERAL include \
     beams";
 const PAIR: &str = "the same for the parts of surfa `against` those of surfb, after all contacts \
-    of single surfaces; the thickness is the mean of both sides";
+    of single surfaces; the thickness is the mean of both sides. Contacts NODES_TO_SURFACE, and \
+    ONE_WAY without soft 2, are `one_way`: surfb holds the nodes of surfa";
 
 const FORMING: &str = "as CONTACT_SURFACE_TO_SURFACE. The tools, surfb, have no thickness: the \
     `contact_thickness` of their shells is sbst, or 0.001 of their thickness. On which side of a \
@@ -208,6 +209,7 @@ pub const KEYWORDS: &[Keyword] = &[
     contact("CONTACT_AUTOMATIC_ONE_WAY_SURFACE_TO_SURFACE", PAIR),
     contact("CONTACT_AUTOMATIC_NODES_TO_SURFACE", PAIR),
     contact("CONTACT_SURFACE_TO_SURFACE", PAIR),
+    contact("CONTACT_ONE_WAY_SURFACE_TO_SURFACE", PAIR),
     contact("CONTACT_NODES_TO_SURFACE", PAIR),
     contact("CONTACT_ERODING_SINGLE_SURFACE", SINGLE),
     contact("CONTACT_ERODING_SURFACE_TO_SURFACE", PAIR),

@@ -68,8 +68,10 @@ impl StarterConverter {
         }
         let mut table = JobTable::new(record.head).with("name", record.head, name);
         let two = sides.behind.is_some();
+        let one_way = two && keyword == "/INTER/TYPE7";
         let used = match two {
             false => "every part of the surface with every other and itself",
+            true if one_way => "one_way: the surface holds the nodes of the parts of the group",
             true => "the parts of one side with those of the other, in both directions",
         };
         self.deck.map(name, keyword, used);
@@ -77,6 +79,9 @@ impl StarterConverter {
         table.put("parts", place, sides.ahead.into_iter().collect::<Vec<i64>>());
         if let Some(behind) = sides.behind {
             table.put("against", place, behind.into_iter().collect::<Vec<i64>>());
+            if one_way {
+                table.put("one_way", place, true);
+            }
         }
         self.friction(record, &mut table);
         let (start, stop) = (record.real("tstart"), record.real("tstop"));
