@@ -66,9 +66,8 @@ fn an_interface_of_the_two_parts_gives_the_bits_of_one_contact() {
 #[test]
 fn contact_of_one_way_holds_the_nodes_of_its_parts_only() {
     for (parts, against) in [(2, 1), (1, 2)] {
-        let key = format!(
-            "contact.interface=[{{parts=[{parts}], against=[{against}], one_way=true, friction=0.3}}]"
-        );
+        let key =
+            format!("contact.interface=[{{parts=[{parts}], against=[{against}], one_way=true}}]");
         let sets = ["end_time=0.3", "contact.law=none", &key];
         let model = read(&case("slide"), &sets);
         let index = |id: u32| model.settings.parts.iter().position(|p| p.id == id).unwrap() as u32;

@@ -210,7 +210,7 @@ fn check_one_way(path: &str, contact: &ContactInput, numbers: &mut NumberChecks<
     if contact.against.is_empty() {
         refuse(
             "`one_way` needs two sides",
-            "name the parts whose faces hold the nodes of `parts` in `against`, or remove `one_way`",
+            "name in `against` the parts whose faces hold the nodes of `parts`",
         );
     }
     if contact.law == "mortar" {
