@@ -603,6 +603,37 @@ fn nodes_turn_about_an_axis_through_their_offsets() {
     assert_eq!(of(11), (names(["x", "y"]), [0.0, 0.0, 0.5], [3.0, -2.0, 0.0]));
 }
 
+/// dof 4 and 8 are along a vector that is parallel to an axis, with the other axes free; -4 and -8
+/// are along any vector.
+#[test]
+fn nodes_move_along_a_vector() {
+    let lines = |dof: i32, head: &str| {
+        format!(
+            "*SET_NODE_LIST\n5\n1,2\n*DEFINE_CURVE\n4\n0,1.0\n20,1.0\n\
+             *DEFINE_VECTOR\n6,1.0,0.0,0.0,{head}\n\
+             *BOUNDARY_PRESCRIBED_MOTION_SET\n5,{dof},0,4,5.0,6\n"
+        )
+    };
+    let names = |dofs: &[&str]| dofs.iter().map(|d| d.to_string()).collect::<Vec<_>>();
+    let along = with(&lines(4, "1.0,0.0,-3.0")).job.motion[0].clone();
+    assert_eq!((along.dofs, along.velocity.unwrap()), (names(&["z"]), [0.0, 0.0, -5.0]));
+    let oblique = with(&lines(-4, "4.0,0.0,4.0")).job.motion[0].clone();
+    assert_eq!(oblique.dofs, names(&["x", "y", "z"]));
+    let velocity = oblique.velocity.unwrap();
+    let expected = [3.0, 0.0, 4.0];
+    assert!((0..3).all(|c| (velocity[c] - expected[c]).abs() < 1e-12), "{velocity:?}");
+    let turns = with(&lines(8, "1.0,2.0,0.0")).job.motion[0].clone();
+    assert_eq!((turns.dofs, turns.spin.unwrap()), (names(&["ry"]), [0.0, 5.0, 0.0]));
+    for (dof, head, words) in
+        [(4, "4.0,0.0,4.0", "use dof -4 or -8"), (-4, "1.0,0.0,0.0", "its vector has no length")]
+    {
+        let said = crate::base::refused(&lines(dof, head));
+        assert!(said.contains(words), "{said}");
+    }
+    let missing = crate::base::refused(&lines(4, "1.0,0.0,1.0").replace("\n6,1.0", "\n7,1.0"));
+    assert!(missing.contains("*DEFINE_VECTOR") && missing.contains('6'), "{missing}");
+}
+
 /// The first value of a parameter holds, unless *PARAMETER_DUPLICATION says otherwise.
 #[test]
 fn a_second_value_of_a_parameter_is_noticed() {

@@ -213,6 +213,10 @@ impl DeckConverter {
         if one_way {
             table.put("one_way", record.head, true);
         }
+        if keyword.contains("ONE_WAY") && !matches!(record.integer("soft"), 0 | BY_SEGMENTS) {
+            let asked = format!("soft {}", record.integer("soft"));
+            self.map(name, asked, "not used: contact needs no stiffness from the deck");
+        }
         self.map(name, said.to_lowercase().replace('_', " "), used);
         self.with_beams(record, name, &mut table);
         self.options(record);

@@ -153,10 +153,14 @@ impl DeckConverter {
         let (axis, fields, curves) = AXES[number];
         let kind = law.row.keyword.name;
         let mut own = JobTable::new(law.head);
+        let mut negative = Vec::new();
         let mut copy = |field: &str, key: &str, size: bool| {
             let value = law.real(field);
             if value != 0.0 {
                 own.put(key, law.place(field), if size { value.abs() } else { value });
+            }
+            if size && value < 0.0 {
+                negative.push((format!("{field} {value}"), value.abs()));
             }
         };
         if kind == LINEAR || kind == PLASTIC {
@@ -176,6 +180,9 @@ impl DeckConverter {
                 copy(LIMITS[number], "failure_tension", true);
                 copy(LIMITS[number], "failure_compression", true);
             }
+        }
+        for (asked, size) in negative {
+            self.map(law.name(), asked, format!("{size}: a limit is a size"));
         }
         let of = |field: &str| (law.integer(field), law.place(field));
         match kind {

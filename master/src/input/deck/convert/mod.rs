@@ -59,6 +59,7 @@ mod transformation;
 pub mod tree;
 pub(in crate::input::deck) mod units;
 mod unused;
+mod vectors;
 mod walls;
 mod welds;
 
@@ -164,6 +165,8 @@ pub struct DeckConverter {
     left_out: left_out::LeftOutCards,
     /// Degrees of freedom that the deck fixes, in its order.
     fixes: Vec<motion::DeckFix>,
+    /// Directions of `*DEFINE_VECTOR` by id, of any length.
+    vectors: BTreeMap<i64, [f64; 3]>,
     /// Maps of `*DEFINE_TRANSFORMATION` so far.
     transformations: BTreeMap<i64, Affine>,
     /// Changes of files of `*INCLUDE_TRANSFORM`, in the order of the deck.
@@ -227,6 +230,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.spc();
     b.planes();
     b.links();
+    b.vectors();
     b.rigid();
     b.switches();
     b.joints();
@@ -326,6 +330,7 @@ impl DeckConverter {
             eroding: None,
             left_out: left_out::LeftOutCards::default(),
             fixes: Vec::new(),
+            vectors: BTreeMap::new(),
             transformations: BTreeMap::new(),
             submodels: Vec::new(),
             curve_units: CurveUnits::default(),

@@ -34,6 +34,15 @@ pub struct DeckFix {
     place: Place,
 }
 
+/// What a card of a prescribed motion prescribes.
+struct Course {
+    /// Unit vector along the motion, or along the axis of the rotation.
+    direction: [f64; 3],
+    /// Names of the degrees of freedom.
+    dofs: Vec<&'static str>,
+    rotation: bool,
+}
+
 impl DeckConverter {
     /// Reads `*BOUNDARY_SPC_...`, and the constraint codes on the cards of nodes.
     pub(super) fn spc(&mut self) {
@@ -317,6 +326,65 @@ impl DeckConverter {
         }
     }
 
+    /// Returns what a card prescribes of nodes or of a rigid body, as `key` says.
+    fn course(&mut self, record: &CardRecord, key: &str) -> Option<Course> {
+        let (dof, vad) = (record.integer("dof"), record.integer("vad"));
+        let (translations, rotations) = (["x", "y", "z"], ["rx", "ry", "rz"]);
+        let unit = |axis: usize| [0, 1, 2].map(|c| if c == axis { 1.0 } else { 0.0 });
+        match dof {
+            1..=3 => {
+                let axis = dof as usize - 1;
+                let dofs = vec![translations[axis]];
+                Some(Course { direction: unit(axis), dofs, rotation: false })
+            }
+            5..=7 => {
+                let axis = dof as usize - 5;
+                let dofs = vec![rotations[axis]];
+                Some(Course { direction: unit(axis), dofs, rotation: true })
+            }
+            9..=11 if matches!(vad, 0 | 2) && key == "nodes" => {
+                let axis = dof as usize - 9;
+                let dofs = [1, 2].map(|next| translations[(axis + next) % 3]).to_vec();
+                Some(Course { direction: unit(axis), dofs, rotation: true })
+            }
+            4 | 8 | -4 | -8 => {
+                let lost = "the motion is left out";
+                let along = self.vector(record.integer("vid"), record.place("vid"), lost)?;
+                let length = along.iter().map(|c| c * c).sum::<f64>().sqrt();
+                if length == 0.0 {
+                    let message = format!("{}: its vector has no length", record.name());
+                    let help = "give the *DEFINE_VECTOR a head that is not its tail";
+                    self.trouble.error(record.place("vid"), message, help);
+                    return None;
+                }
+                let direction = along.map(|c| c / length);
+                let names = if dof.abs() == 8 { rotations } else { translations };
+                let axis = (0..3).find(|&c| direction[c].abs() > 1.0 - 1e-12);
+                let dofs = match axis {
+                    _ if dof < 0 => names.to_vec(),
+                    Some(axis) => vec![names[axis]],
+                    None => {
+                        let why = "a motion along a vector that is not parallel to an axis, and \
+                                   free across it; use dof -4 or -8, which fix it across";
+                        self.unsupported_card(record, "dof", why);
+                        return None;
+                    }
+                };
+                Some(Course { direction, dofs, rotation: dof.abs() == 8 })
+            }
+            _ => {
+                self.unsupported_card(
+                    record,
+                    "dof",
+                    "use x, y, z (1, 2, 3), rotations about them (5, 6, 7), a vector (4, -4, 8, \
+                     -8), or rotations of nodes about a parallel axis (9, 10, 11) by velocity or \
+                     displacement",
+                );
+                None
+            }
+        }
+    }
+
     fn motion(&mut self, record: &CardRecord, key: &str, of: String, place: Place) {
         let (dof, vad) = (record.integer("dof"), record.integer("vad"));
         let (birth, death) = (record.real("birth"), record.real("death"));
@@ -325,19 +393,7 @@ impl DeckConverter {
             let help = "give a death above the birth, or 0 for none";
             return self.trouble.error(record.place("death"), message, help);
         }
-        let (axis, rotation) = match dof {
-            1..=3 => (dof as usize - 1, false),
-            5..=7 => (dof as usize - 5, true),
-            9..=11 if matches!(vad, 0 | 2) && key == "nodes" => (dof as usize - 9, true),
-            _ => {
-                return self.unsupported_card(
-                    record,
-                    "dof",
-                    "use x, y, z (1, 2, 3), rotations about them (5, 6, 7), or of nodes about a \
-                     parallel axis (9, 10, 11) by velocity or displacement",
-                );
-            }
-        };
+        let Some(Course { direction, dofs, rotation }) = self.course(record, key) else { return };
         let form = match (vad, rotation) {
             (0, false) => "velocity",
             (1, false) => "acceleration",
@@ -361,16 +417,11 @@ impl DeckConverter {
         let Some(curve) = self.time_curve_from(lcid, record.place("lcid"), birth) else {
             return;
         };
-        let mut amount = [0.0; 3];
-        amount[axis] = if record.real("sf") == 0.0 { 1.0 } else { record.real("sf") };
-        let translations = ["x", "y", "z"];
-        let dofs = match dof {
-            1..=3 => vec![translations[axis]],
-            5..=7 => vec![["rx", "ry", "rz"][axis]],
-            _ => vec![translations[(axis + 1) % 3], translations[(axis + 2) % 3]],
-        };
+        let factor = if record.real("sf") == 0.0 { 1.0 } else { record.real("sf") };
+        let amount = direction.map(|c| factor * c);
         let mut table = JobTable::new(record.head);
         if dof > 8 {
+            let axis = dof as usize - 9;
             // Both offsets are in the order of the axes after that of the rotation.
             let mut centre = [0.0; 3];
             centre[(axis + 1) % 3] = record.real("offset1");

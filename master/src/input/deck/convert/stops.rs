@@ -6,8 +6,6 @@ use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
 
-const VECTOR: &str = "DEFINE_VECTOR";
-
 /// Entries of one key of the bodies of a deck, by the part on their cards.
 #[derive(Debug)]
 pub struct BodyEntries {
@@ -41,10 +39,9 @@ impl BodyEntries {
 impl DeckConverter {
     /// Reads all stops.
     pub(super) fn stops(&mut self) -> BodyEntries {
-        let vectors = self.vectors();
         let mut all = BodyEntries::new("stop");
         for record in self.take_records("CONSTRAINED_RIGID_BODY_STOPPERS") {
-            let stops = self.stop(&record, &vectors);
+            let stops = self.stop(&record);
             all.add(record.integer("pid"), record.place("pid"), stops);
         }
         all
@@ -60,22 +57,13 @@ impl DeckConverter {
 
     /// Returns the entries of a card: one, or two if one bound is for the coordinate of the centre
     /// and the other for its displacement.
-    fn stop(&mut self, record: &CardRecord, vectors: &BTreeMap<i64, [f64; 3]>) -> Vec<JobTable> {
+    fn stop(&mut self, record: &CardRecord) -> Vec<JobTable> {
         let direction = match record.integer("dir") {
             axis @ 1..=3 => [1, 2, 3].map(|c| if c == axis { 1.0 } else { 0.0 }),
             4 => {
-                let vid = record.integer("vid");
-                let Some(&along) = vectors.get(&vid) else {
-                    let known: Vec<String> = vectors.keys().map(i64::to_string).collect();
-                    let lost = "the stop is left out: it does not bound the motion of the body";
-                    self.missing_for(
-                        record.place("vid"),
-                        (&format!("*{VECTOR}"), vid),
-                        &known,
-                        lost,
-                    );
-                    return Vec::new();
-                };
+                let lost = "the stop is left out: it does not bound the motion of the body";
+                let (vid, place) = (record.integer("vid"), record.place("vid"));
+                let Some(along) = self.vector(vid, place, lost) else { return Vec::new() };
                 along
             }
             _ => {
@@ -116,27 +104,5 @@ impl DeckConverter {
             self.trouble.warning(record.place("lcmax"), message, help);
         }
         bounds.into_values().collect()
-    }
-
-    /// Returns the vectors of `*DEFINE_VECTOR` by id.
-    fn vectors(&mut self) -> BTreeMap<i64, [f64; 3]> {
-        let mut found = BTreeMap::new();
-        for record in self.take_records(VECTOR) {
-            for line in record.lines("vid") {
-                let tail = ["xt", "yt", "zt"].map(|c| line.real(c));
-                let head = ["xh", "yh", "zh"].map(|c| line.real(c));
-                let vid = line.integer("vid");
-                let along = [0, 1, 2].map(|c| head[c] - tail[c]);
-                let lost = "the vector is left out";
-                match self.in_global_axes(along, line, "cid", lost) {
-                    Some(along) => drop(found.insert(vid, along)),
-                    None => {
-                        let reason = format!("*{VECTOR} {vid} is left out");
-                        self.left_out.leave_out(VECTOR, vid, reason);
-                    }
-                }
-            }
-        }
-        found
     }
 }

@@ -187,7 +187,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "DEFINE_VECTOR",
         &[("heading:l", Count(title)), ("vid:i! xt:r yt:r zt:r xh:r yh:r zh:r cid:i", Rest)],
         "direction from the tail to the head, in the axes of cid, for \
-         CONSTRAINED_RIGID_BODY_STOPPERS",
+         CONSTRAINED_RIGID_BODY_STOPPERS and prescribed motions",
     )
     .options(&["TITLE"]),
     Keyword::new(
