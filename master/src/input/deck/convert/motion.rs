@@ -34,7 +34,7 @@ pub struct DeckFix {
     place: Place,
 }
 
-/// What a card of a prescribed motion prescribes.
+/// Direction and degrees of freedom of a prescribed motion.
 struct Course {
     /// Unit vector along the motion, or along the axis of the rotation.
     direction: [f64; 3],

@@ -85,9 +85,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "`[[motion]]` along x, y or z (dof 1 to 3) by velocity, acceleration or displacement, or \
          rotation by velocity, of the nodes (dof 5 to 7) or about a parallel axis through the \
          offsets (dof 9 to 11). dof 4 and 8 are along a vector that is parallel to an axis, -4 and \
-         -8 along any, with all other motion fixed. birth and death are its times of begin and end, and the curve \
-         starts at the birth; outside of them \
-         the degrees of freedom are free",
+         -8 along any, with all other motion fixed. birth and death are its times of begin and \
+         end, and the curve starts at the birth; outside of them the degrees of freedom are free",
     )
     .unused(MOTION_UNUSED)
     .options(&["ID"])
