@@ -93,7 +93,7 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
     let mut curves = TimeCurves::new(job);
     initial::write(&mut deck, job, set);
-    loads::gravity(&mut deck, model, &mut curves);
+    loads::gravity(&mut deck, model, set, &mut curves);
     loads::damping(&mut deck, model, &mut curves);
     loads::on_nodes(&mut deck, model, set, &mut curves);
     faces::pressures(&mut deck, job, faces, &mut curves);
