@@ -30,6 +30,7 @@ mod pressure_dependent;
 mod rest;
 mod soft_materials;
 mod springs;
+mod stresses;
 mod switches;
 mod ties;
 mod walls;
@@ -105,6 +106,7 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     ties::write(&mut deck, model, set);
     histories::write(&mut deck, model, set);
     mesh::write(&mut deck, model);
+    stresses::write(&mut deck, model);
     rest::write(&mut deck, job, &mut curves);
     let left = deck.left();
     Ok(ExportedDeck { text: deck.finish(&model.path.display().to_string()), left })
