@@ -16,7 +16,7 @@ const BENT: &str = "*INITIAL_STRESS_SHELL\n1,1,2\n\
                     -0.5,-0.1,0,0,0,0,0,0.02\n0.5,0.3,0,0,0,0,0,0.01\n";
 /// Holds all nodes.
 const HELD: &str = "*SET_NODE_GENERAL\n99\nALL\n*BOUNDARY_SPC_SET\n99,0,1,1,1,1,1,1\n";
-const FLOWS: &str = "*MAT_PLASTIC_KINEMATIC\n1,7.85e-6,207.0,0.3,0.4,1.0\n";
+const FLOWS: &str = "*MAT_PLASTIC_KINEMATIC\n1,7.85e-6,207.0,0.3,0.6,1.0\n";
 
 /// Returns the stress and the plastic strain of the points of an element after some steps at rest.
 fn points_at_rest(model: &Model, element: u64) -> Vec<([f64; 6], f64)> {
@@ -42,10 +42,10 @@ fn points_at_rest(model: &Model, element: u64) -> Vec<([f64; 6], f64)> {
 fn dynain_files_run() {
     let large = "$#     eid    nplane    nthick     nhisv    ntensr     large\n\
         \u{20}        2         1         1         6         0         1\n\
-        \u{20}             0.0             0.1             0.2             0.0           -0.05\n\
-        \u{20}           0.003           0.004            0.15\n\
-        \u{20}             1.0             2.0             0.0             0.0             0.0\n\
-        \u{20}             0.0\n";
+        \u{20}            0.0             0.1             0.2             0.0           -0.05\n\
+        \u{20}          0.003           0.004            0.15\n\
+        \u{20}            1.0             2.0             0.0             0.0             0.0\n\
+        \u{20}            0.0\n";
     let dynain = format!(
         "*KEYWORD\n*ELEMENT_SHELL_THICKNESS\n1,1,11,12,15,14\n0.8,0.8,0.8,0.8\n\
          2,1,12,13,16,15\n0.9,0.9,0.9,0.9\n{BENT}{large}*INITIAL_STRAIN_SHELL\n1,1,2\n\
