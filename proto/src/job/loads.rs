@@ -15,7 +15,7 @@ pub struct CurveInput {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Gravity, or another body force, on the whole model or on some parts.
+/// Gravity, or another body force, on the whole model or on some parts or nodes.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityInput {
