@@ -79,3 +79,40 @@ impl StateAtStart {
 pub fn by_number(points: &[InitialPoint]) -> Vec<&[InitialPoint]> {
     points.chunk_by(|a, b| a.number == b.number).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_proto::ids::ElemId;
+
+    fn point(position: f64, along: f64, plastic_strain: f64) -> InitialPoint {
+        let stress = [along, 0.0, 0.0, 0.0, 0.0, 0.0];
+        InitialPoint { element: ElemId(1), number: 1, position, stress, plastic_strain }
+    }
+
+    /// Stress lies on the lines through the points, also beyond them; plastic strain stays.
+    #[test]
+    fn values_lie_on_lines_between_points() {
+        let given = [point(-0.8, 1.0, 0.0), point(0.0, 0.0, 0.1), point(0.8, 3.0, 0.3)];
+        for (position, stress, strain) in [
+            (-1.0, 1.25, 0.0),
+            (-0.4, 0.5, 0.05),
+            (0.0, 0.0, 0.1),
+            (0.4, 1.5, 0.2),
+            (1.0, 3.75, 0.3),
+        ] {
+            let state = StateAtStart::at(&given, position);
+            assert!((state.stress[0] - stress).abs() < 1e-14, "{position}");
+            assert!((state.plastic_strain - strain).abs() < 1e-14, "{position}");
+        }
+        assert_eq!(StateAtStart::at(&given[..1], 0.9).stress[0], 1.0);
+    }
+
+    /// Axes that are turned by a quarter about the normal.
+    #[test]
+    fn stresses_turn_into_the_axes_of_a_shell() {
+        let state = StateAtStart { stress: [1.0, 2.0, 0.0, 0.5, 0.3, 0.4], plastic_strain: 0.0 };
+        let axes = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(state.in_axes(&axes), [2.0, 1.0, -0.5, 0.3, -0.4]);
+    }
+}
