@@ -218,6 +218,7 @@ impl Builder {
                     (name, nodes)
                 })
                 .collect(),
+            initial: Vec::new(),
         }
     }
 }

@@ -272,6 +272,17 @@ pub struct MeshSource {
     /// This also applies to shells of a generator or a deck. A mesh file has its own list.
     #[serde(default)]
     pub angles: Vec<[f64; 2]>,
+    /// Stresses of shells and solids at the start, a row for each given point: `[element, point,
+    /// position, xx, yy, zz, xy, yz, zx, plastic strain]`. The point is 1, or the number of one of
+    /// several in the plane of a shell or in a solid; the position of a point of a shell is its
+    /// place over half the thickness, -1 inside to 1 outside, and 0 in solids. The stress is that
+    /// in global axes [force/length^2]. The points may be others than those of the element: a
+    /// shell takes values between them, a solid their mean. All other history of the material, the
+    /// internal energy and hourglass forces are 0 at the start. Laws whose stress follows from the
+    /// whole deformation take none. This also applies to elements of a generator or a deck. A mesh
+    /// file has its own list.
+    #[serde(default)]
+    pub stresses: Vec<[f64; 10]>,
     /// Named sets of node ids. With a deck or a mesh file of another program, they are added to its
     /// sets.
     #[serde(default)]

@@ -27,6 +27,7 @@ pub mod exact_sum;
 pub mod exit_code;
 pub mod histories;
 pub mod ids;
+pub mod initial;
 pub mod job;
 pub mod joint;
 pub mod loads;

@@ -1,6 +1,7 @@
 //! Mesh from a generator or a file: nodes, elements, named node sets.
 
 use crate::ids::{ElemId, NodeId};
+use crate::initial::InitialPoint;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 
@@ -332,6 +333,8 @@ pub struct Mesh {
     pub elements: Vec<MeshElement>,
     /// Named node sets.
     pub node_sets: BTreeMap<String, Vec<NodeId>>,
+    /// Stress and plastic strain of elements at the start, at any number of points.
+    pub initial: Vec<InitialPoint>,
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use crate::adaptivity::AdaptivitySettings;
 use crate::belt::BeltSystem;
 use crate::histories::HistoryRequests;
 use crate::ids::{ElemId, NodeId};
+use crate::initial::InitialPoint;
 use crate::job::{Compression, ContactInput, Part, Precision};
 use crate::joint::ResolvedJoint;
 use crate::loads::ResolvedLoads;
@@ -57,6 +58,9 @@ pub struct Settings {
     /// Vectors from beams towards their second axes at the start, by ascending element id
     /// [length].
     pub axes: Vec<(ElemId, [f64; 3])>,
+    /// Stress and plastic strain of elements at the start, sorted. A worker gets those of its
+    /// elements, and none if the run continues from a checkpoint.
+    pub initial: Vec<InitialPoint>,
     /// Indices of the parts of springs whose direction is that from one node to another, with
     /// these nodes; ascending.
     pub followed: Vec<(u32, [NodeId; 2])>,

@@ -121,6 +121,8 @@ impl Engine {
     ) -> Result<Self, RankLost> {
         let cuts = Cuts { boxes: &tree, contact: None };
         let mut local = build_local_mesh(comm, &settings, cuts, share, true)?;
+        // From here on it is in the histories of the elements.
+        let settings = Settings { initial: Vec::new(), ..settings };
         let mut constraints = Constraints::new(comm, &settings, &mut local.nodes)?;
         constraints.bind_local(comm, &mut local.nodes)?;
         if settings.subcycles > 1 {

@@ -15,7 +15,7 @@ pub struct CurveInput {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Gravity, or another body force, on the whole model or on some parts.
+/// Gravity, or another body force, on the whole model or on some parts or nodes.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityInput {
@@ -29,6 +29,17 @@ pub struct GravityInput {
     #[serde(default)]
     #[schemars(with = "Vec<PartRef>")]
     pub parts: Vec<u32>,
+    /// Node set on all masses of whose nodes it acts, those of `[[mass]]` included, instead of
+    /// `parts`.
+    #[serde(default)]
+    pub nodes: Option<String>,
+}
+
+impl GravityInput {
+    /// Returns true if it does not act on all masses.
+    pub fn is_partial(&self) -> bool {
+        !self.parts.is_empty() || self.nodes.is_some()
+    }
 }
 
 /// Damping of some parts in proportion to their masses, in addition to `time.damping`.

@@ -1,6 +1,6 @@
 //! `*LOAD_BODY_GENERALIZED`: gravity of nodes and of parts. Units mm, ms, kg.
 
-use super::base::{BASE, MOVES, STEEL, assert_refused, with};
+use super::base::{BASE, MOVES, STEEL, assert_refused, assert_same_when_written, with};
 use super::fates::said;
 
 const CURVE: &str = "*DEFINE_CURVE\n5\n0,9.81e-3\n10,9.81e-3\n";
@@ -34,21 +34,41 @@ fn gravity_acts_on_the_parts_of_its_nodes() {
     assert_eq!(model.job.gravity[0].acceleration, [0.0, -1.0, 0.0]);
     let shared = "*SET_NODE_LIST\n9\n11,12,13,14,15,16\n*PART\nmore\n3,1,1\n\
                   *NODE\n17,30,0,12\n18,30,10,12\n*ELEMENT_SHELL\n3,3,13,17,18,16\n";
-    let all = said(&with(&gravity("_SET_NODE", "9,0,5", shared)));
-    assert!(all.contains("2 of its nodes belong to other parts, too"), "{all}");
-    let words = "masses of nodes have no gravity by it";
-    assert!(!all.contains(words), "{all}");
+    // Those and lumped masses are masses of nodes.
     let heavy = format!("{plate}*ELEMENT_MASS\n1,11,0.5\n");
-    let all = said(&with(&gravity("_SET_NODE", "9,0,5", &heavy)));
-    assert!(all.contains(words), "{all}");
+    for lines in [shared, &heavy] {
+        let model = with(&gravity("_SET_NODE", "9,0,5", lines));
+        let [own] = &model.job.gravity[..] else { panic!("one load") };
+        assert_eq!((own.nodes.as_deref(), own.parts.len()), (Some("set-9"), 0), "{lines}");
+    }
 }
 
-/// Some nodes of a part, and a rotating frame, are refused.
+/// Gravity of some nodes acts on their masses, those of elements and lumped ones; written as a
+/// deck it is the same.
 #[test]
-fn gravity_of_some_nodes_is_refused() {
+fn gravity_of_some_nodes_acts_on_their_masses() {
+    let some = "*SET_NODE_LIST\n9\n11,12\n*ELEMENT_MASS\n1,11,0.5\n";
+    for (keyword, first, name) in [("_SET_NODE", "9,0,5", "set-9"), ("", "11,12,5", "nodes-11-12")]
+    {
+        let lines = gravity(keyword, first, some);
+        let model = with(&lines);
+        assert_eq!(model.job.gravity[0].nodes.as_deref(), Some(name));
+        let shares = model.settings.loads.gravity[0].shares.clone().expect("some nodes");
+        let labels: Vec<_> = shares.iter().map(|(id, share)| (id.label(), *share)).collect();
+        assert_eq!(labels, [(11, 1.0), (12, 1.0)]);
+        let base = format!("{BASE}{STEEL}{MOVES}{lines}");
+        let words = "*LOAD_BODY_GENERALIZED_SET_NODE";
+        assert_same_when_written(&base, "end_time=0.2", words);
+    }
+    let none = gravity("", "90,99,5", "*NODE\n95,0,0,0\n");
+    let all = said(&with(&none));
+    assert!(all.contains("none of its nodes has a mass"), "{all}");
+}
+
+/// A rotating frame is refused.
+#[test]
+fn rotating_frames_are_refused() {
     let based = |lines: &str| format!("{BASE}{STEEL}{MOVES}{lines}");
-    let some = gravity("_SET_NODE", "9,0,5", "*SET_NODE_LIST\n9\n11,12\n");
-    assert_refused(&based(&some), &["nodes that are not those of whole parts"]);
     let turns = format!("{CURVE}*LOAD_BODY_GENERALIZED\n1,8,5\n0,0,1.0,0,0,2.0\n");
     assert_refused(&based(&turns), &["`omz` = 2", "a rotating frame of reference"]);
 }

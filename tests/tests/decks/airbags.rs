@@ -233,3 +233,21 @@ fn fabric_with_yarns_and_liner() {
     assert_eq!(part.element.as_deref(), Some("belytschko_tsay"));
     assert!(part.parameters.contains_key("membrane"), "elform 5");
 }
+
+/// A pressure over time acts along the normals of shells or segments, without a gas.
+#[test]
+fn a_bag_with_a_pressure_over_time() {
+    let card = |surface: &str| model_of(&format!("{CUBE}*AIRBAG_LOAD_CURVE\n{surface}\n0.0,21\n"));
+    let of_parts = card("7,1");
+    let [load] = &of_parts.settings.loads.pressures[..] else { panic!("one pressure") };
+    assert_eq!((load.pressure, load.faces.len(), load.curve.is_some()), (-1.0, 6, true));
+    assert!(of_parts.job.airbag.is_empty());
+    // The shell at z = 0 has the other sense than its segment in this set.
+    let backwards = CUBE.replace("8\n1,2,3,4\n", "8\n4,3,2,1\n");
+    let model = model_of(&format!("{backwards}*AIRBAG_LOAD_CURVE\n8,0\n0.0,21\n"));
+    let faces = |sign: f64| {
+        let of = model.settings.loads.pressures.iter().filter(|p| p.pressure == sign);
+        of.map(|p| p.faces.len()).sum::<usize>()
+    };
+    assert_eq!((faces(-1.0), faces(1.0)), (5, 1));
+}

@@ -179,11 +179,11 @@ fn other_wrong_ids_are_errors() {
     let text = format!("{BASE}{STEEL}{MOVES}{UNSUPPORTED}*LOAD_NODE_SET\n77,1,5\n");
     let report = reading(&text, ALLOWED).err().expect("a report");
     assert_eq!(errors(&report), ["error: there is no *SET_NODE_... with the id 77"], "{report}");
-    // A set that is not read needs no permission, but a load on it does not vanish.
-    let load = "*SET_SHELL_GENERAL\n6\nPART,1\n*LOAD_SHELL_SET\n6,5,1.0\n";
+    // A load on a set by an option that is not read does not vanish.
+    let load = "*SET_SHELL_GENERAL\n6\nVOL,1\n*LOAD_SHELL_SET\n6,5,1.0\n";
     let report = reading(&format!("{BASE}{STEEL}{MOVES}{UNSUPPORTED}{load}"), ALLOWED);
     let report = report.err().expect("a report");
-    assert!(report.contains("error: there is no *SET_SHELL_... with the id 6"), "{report}");
+    assert!(report.contains("set 6 has no shells of the deck"), "{report}");
 }
 
 /// Beams whose section is refused, or that lack a third node, have one error.

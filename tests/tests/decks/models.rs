@@ -172,6 +172,20 @@ fn pressure_and_gravity_have_their_signs() {
     assert_eq!((set(&model, "load-node-5"), model.job.load[0].force), (vec![5], [0.5, 0.0, 0.0]));
 }
 
+/// Gravity and forces along the axes of a system, and gravity along a vector. The system turns the
+/// axes by a quarter about z.
+#[test]
+fn gravity_and_forces_in_the_axes_of_a_system() {
+    let system = "*DEFINE_COORDINATE_SYSTEM\n3,0,0,0,0,1,0\n-1,0,0\n\
+                  *DEFINE_CURVE\n4\n0.0,1.0\n20.0,1.0\n";
+    let loads = "*LOAD_BODY_X\n4,9.0,0,0,0,0,3\n*LOAD_NODE_POINT\n5,1,4,0.5,3\n\
+                 *LOAD_BODY_VECTOR\n4,2.0\n0.0,0.0,3.0\n";
+    let job = with(&format!("{system}{loads}")).job;
+    let along: Vec<_> = job.gravity.iter().map(|g| g.acceleration).collect();
+    assert_eq!(along, [[0.0, -9.0, 0.0], [0.0, 0.0, -6.0]]);
+    assert_eq!(job.load[0].force, [0.0, 0.5, 0.0]);
+}
+
 /// A section with dro 1 makes rotational springs, between rigid bodies only.
 #[test]
 fn rotational_springs() {

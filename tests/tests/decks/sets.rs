@@ -150,3 +150,35 @@ fn bodies_of_nodes_have_mass_properties() {
     let report = refused(&body("5.0,5.0,0.0,0.3,1\n9.0,0,0,8.0,0,7.0\n0\n1,0,0,0,1,0\n"));
     assert!(report.contains("inertia about local axes"), "{report}");
 }
+
+/// Sets of elements by options: the shells with loads.
+#[test]
+fn sets_of_elements_have_options() {
+    let of = |lines: &str| {
+        let set = format!("{RAMP}*SET_SHELL_GENERAL\n6\n{lines}*LOAD_SHELL_SET\n6,4,1.0\n");
+        let model = with(&set);
+        let faces = model.settings.loads.pressures.iter().flat_map(|p| p.faces.clone());
+        let mut ids: Vec<u64> = faces.map(|face| face.0.0).collect();
+        ids.sort_unstable();
+        ids
+    };
+    assert_eq!(of("ALL\n"), [1, 2]);
+    assert_eq!(of("PART,1\nDELEM,1\n"), [2]);
+    assert_eq!(of("ELEM,1\n"), [1]);
+    assert_eq!(of("BOX,3\n*DEFINE_BOX\n3,-1,11,-1,11,0,20\n"), [1]);
+    assert!(refused("*SET_SHELL_GENERAL\n6\nVOL,1\n").contains("option VOL is not supported"));
+}
+
+/// Cards of one set with COLLECT are joined; an intersection has the nodes of all of its sets.
+#[test]
+fn sets_are_collected_and_intersected() {
+    let lines = "*SET_NODE_LIST_COLLECT\n7\n1,2,3\n*SET_NODE_LIST_COLLECT_TITLE\nall\n7\n3,4\n\
+                 *SET_NODE_LIST\n8\n3,4,5\n*SET_NODE_INTERSECT\n9\n7,8\n\
+                 *SET_PART_LIST_COLLECT\n3\n1\n*SET_PART_LIST_COLLECT\n3\n2\n\
+                 *SET_NODE_GENERAL\n10\nSET_PART,3\n";
+    let model = with(lines);
+    assert_eq!(set(&model, "set-7"), [1, 2, 3, 4]);
+    assert_eq!(set(&model, "set-9"), [3, 4]);
+    assert_eq!(set(&model, "set-10").len(), 14);
+    assert!(refused("*SET_NODE_INTERSECT\n9\n7\n").contains("there is no *SET_NODE"));
+}

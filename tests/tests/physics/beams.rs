@@ -278,10 +278,33 @@ fn bits_do_not_depend_on_workers() {
     }
 }
 
+/// A pulled beam fails at the largest principal strain, which is that along it, or at the effective
+/// strain, `2/3 (1 + nu)` of it while it is elastic. Its strain is summed up over the present
+/// length or that of the start: 1 % here.
+#[test]
+fn beams_erode_at_a_strain() {
+    let limit = 0.01;
+    for (key, share) in
+        [("erosion_major_strain", 1.0), ("erosion_effective_strain", 2.0 / 3.0 * 1.3)]
+    {
+        let law = format!("{ELASTIC}\n{key} = {:?}", share * limit);
+        let rest = "[[motion]]\nnodes = \"tip\"\nvelocity = [0.2, 0.0, 0.0]\n";
+        let model = cantilever(1, &Rotation3::identity(), RECTANGLE, &law, 6.0, rest);
+        let mut last = 0.0;
+        let end = run_alone(&model, |e| {
+            if !e.blocks.elements[0].record.failed {
+                last = e.nodes.x[1][0] / LENGTH - 1.0;
+            }
+        });
+        assert!(end.blocks.elements[0].record.failed, "{key}");
+        assert!((last / limit - 1.0).abs() < 0.015, "{key}: {last}");
+    }
+}
+
 /// Anisotropy and strains of failure of sheets have no meaning in beams: each key is refused.
 #[test]
 fn parameters_of_sheets_are_refused_in_beams() {
-    for key in ["lankford", "erosion_thinning", "erosion_major_strain"] {
+    for key in ["lankford", "erosion_thinning"] {
         let text = format!(
             "title = \"beam\"\nunits = \"mm, ms, kg\"\nend_time = 1.0\n[mesh]\n\
              nodes = [[1, 0, 0, 0], [2, 10, 0, 0], [3, 0, 10, 0]]\nbeams = [[1, 1, 1, 2, 3]]\n\

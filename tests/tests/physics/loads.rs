@@ -386,6 +386,37 @@ fn motions_follow_each_other() {
     assert!(report.to_string().contains("not free to follow a motion"), "{report}");
 }
 
+/// Gravity on the nodes of an edge gives them the momentum `m g t` with their mass, of elements and
+/// lumped, on any number of workers.
+#[test]
+fn gravity_acts_on_nodes() {
+    let g = 9.81e-3;
+    let mut scene = Scene::default();
+    let plate = scene.lattice(1, [2, 2], |i, j| [5.0 * i as f64, 5.0 * j as f64, 0.0]);
+    let edge: Vec<u64> = plate.row(2).iter().map(|&n| u64::from(n)).collect();
+    let text = format!(
+        "end_time = 0.3\n{}[output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\n\
+         law = \"elastic\"\ndensity = {RHO:?}\nyoungs_modulus = {E:?}\npoisson = 0.3\n\
+         [[part]]\nid = 1\nmaterial = \"steel\"\nthickness = 1.0\n\
+         [[mass]]\nnodes = {{ rule = \"nodes\", ids = {edge:?} }}\nmass = 0.01\n\
+         [[gravity]]\nacceleration = [0.0, 0.0, {:?}]\nnodes = \"mass.0.nodes\"\n",
+        scene.mesh_text(),
+        -g
+    );
+    let model = model_of(&text, &[]);
+    // A quarter of the plate of 10 x 10 x 1: its edge has half of one of two rows.
+    let mass = 0.01 + 0.25 * RHO * 100.0;
+    let mut worst = 0.0f64;
+    run_alone(&model, |e| {
+        let p = crumple_worker::energy::momentum(&e.nodes).0[2];
+        let expected = -mass * g * (e.clock.time - 0.5 * e.clock.last_dt);
+        worst = worst.max((p - expected).abs() / (mass * g * 0.3));
+    });
+    assert!(worst < 1e-9, "{worst:e}");
+    let one = run_side_by_side(&model, 1, 100, 0).digest();
+    assert_eq!(run_side_by_side(&model, 3, 100, 0).digest(), one);
+}
+
 /// Gravity on one of two parts with common nodes gives them the momentum `m g t` with the mass m of
 /// this part, and the work of this force.
 #[test]

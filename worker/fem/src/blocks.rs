@@ -19,6 +19,7 @@ use crate::step_data::StepData;
 use crate::time::ElementSet;
 use crumple_math::row::{Row, xyz};
 use crumple_proto::ids::ElemId;
+use crumple_proto::initial::{InitialPoint, of_element};
 use crumple_proto::mesh::MAX_CORNERS;
 use crumple_proto::partition::{ElementRecord, Settings};
 use crumple_proto::transport::thread_cpu;
@@ -540,6 +541,29 @@ impl Blocks {
                 let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
                 b.element.measure(&mut history, &x, e.record.own);
                 b.history.set(place, &history);
+            }
+        }
+    }
+
+    /// Gives new elements their stress and plastic strain at the start. `initial` is sorted.
+    pub fn set_initial(&mut self, nodes: &Nodes, initial: &[InitialPoint]) {
+        if initial.is_empty() {
+            return;
+        }
+        for b in self.blocks.iter_mut().filter(|b| !b.idle) {
+            let lanes = b.lanes();
+            for place in 0..b.unstrained.len() * lanes {
+                let e = &self.elements[b.first + place.min(b.count - 1)];
+                let points = of_element(initial, e.record.id);
+                if points.is_empty() {
+                    continue;
+                }
+                let mut history = b.history.element(place).to_vec();
+                let x = e.nodes.map(|n| xyz(&nodes.x0[n as usize]));
+                b.element.set_initial(&mut history, &x, points);
+                b.history.set(place, &history);
+                let is_strained = !b.element.is_unstrained(b.history.element(place));
+                b.unstrained[place / lanes] &= !is_strained;
             }
         }
     }

@@ -37,6 +37,7 @@ pub fn settings() -> Settings {
         parts: Vec::new(),
         with_own_offsets: Vec::new(),
         axes: Vec::new(),
+        initial: Vec::new(),
         followed: Vec::new(),
         precision: Default::default(),
         walls: Vec::new(),

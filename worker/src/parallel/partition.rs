@@ -181,6 +181,7 @@ pub fn build_local_mesh(
         link_element_forces(comm, settings, &mut blocks, &nodes, &shared, surface.as_mut())?;
     if fresh {
         blocks.measure(&nodes);
+        blocks.set_initial(&nodes, &settings.initial);
         blocks.set_corner_masses(&nodes, |_| true);
         halo.send_element_forces(comm, &blocks, ElementSet::All)?;
         halo.recv_element_forces(comm, &mut blocks, ElementSet::All)?;

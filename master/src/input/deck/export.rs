@@ -30,6 +30,7 @@ mod pressure_dependent;
 mod rest;
 mod soft_materials;
 mod springs;
+mod stresses;
 mod switches;
 mod ties;
 mod walls;
@@ -93,7 +94,7 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     let set = |name: &str| Id(sets.get(name).copied().unwrap_or(0));
     let mut curves = TimeCurves::new(job);
     initial::write(&mut deck, job, set);
-    loads::gravity(&mut deck, model, &mut curves);
+    loads::gravity(&mut deck, model, set, &mut curves);
     loads::damping(&mut deck, model, &mut curves);
     loads::on_nodes(&mut deck, model, set, &mut curves);
     faces::pressures(&mut deck, job, faces, &mut curves);
@@ -105,6 +106,7 @@ pub fn export(model: &Model) -> Result<ExportedDeck, String> {
     ties::write(&mut deck, model, set);
     histories::write(&mut deck, model, set);
     mesh::write(&mut deck, model);
+    stresses::write(&mut deck, model);
     rest::write(&mut deck, job, &mut curves);
     let left = deck.left();
     Ok(ExportedDeck { text: deck.finish(&model.path.display().to_string()), left })

@@ -248,7 +248,9 @@ impl Submodel {
     /// Changes fields that depend on several others.
     fn special(&self, record: &mut CardRecord, trouble: &mut Trouble) {
         match record.row.keyword.name {
-            "SET_NODE_GENERAL" | "SET_SEGMENT_GENERAL" => self.general_set(record),
+            name if name.starts_with("SET_") && name.ends_with("_GENERAL") => {
+                self.general_set(record);
+            }
             "DEFINE_BOX" => self.sides(record, trouble),
             _ if self.map.reflects() && record.line("xhev").is_some() => {
                 let message = format!(
@@ -296,7 +298,7 @@ impl Submodel {
             let kind = match word.strip_prefix('D').unwrap_or(&word) {
                 "NODE" | "SEG" => OffsetKind::Node,
                 "PART" => OffsetKind::Part,
-                "SHELL" => OffsetKind::Element,
+                "SHELL" | "ELEM" => OffsetKind::Element,
                 "BOX" | "BOX_SHELL" | "BOX_SOLID" => OffsetKind::Definition,
                 _ => OffsetKind::Set,
             };

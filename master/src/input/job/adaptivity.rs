@@ -4,7 +4,7 @@ use super::resolve::NumberChecks;
 use super::validate::JobProblems;
 use crumple_proto::adaptivity::AdaptivitySettings;
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{AdaptivityInput, Job, Part};
+use crumple_proto::job::{AdaptivityInput, GravityInput, Job, Part};
 use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
@@ -72,12 +72,12 @@ pub fn check(given: &AdaptivityInput, job: &Job, numbers: &mut NumberChecks<'_>)
 
 /// Returns what a job has that adaptivity does not work with, and what helps.
 fn conflict(job: &Job) -> Option<(&'static str, &'static str)> {
-    let parts_only = !job.damping.is_empty() || job.gravity.iter().any(|g| !g.parts.is_empty());
+    let parts_only = !job.damping.is_empty() || job.gravity.iter().any(GravityInput::is_partial);
     if job.time.subcycles > 1 {
         Some(("subcycles: divided shells change their class", "remove time.subcycles"))
     } else if parts_only {
         Some((
-            "damping or gravity of single parts: new nodes would have none",
+            "damping or gravity of single parts or nodes: new nodes would have none",
             "let them act on the whole model",
         ))
     } else if job.tie.iter().any(|tie| tie.failure.is_some()) {

@@ -189,13 +189,17 @@ fn read_toml_mesh(
     sources: &mut SourceFiles,
     findings: &mut JobProblems,
 ) -> Option<mesh::PlacedMesh> {
-    let MeshSource { thicknesses, offsets, angles, .. } = given;
+    let MeshSource { thicknesses, offsets, angles, stresses, .. } = given;
     if !check_own_sets(given, findings) {
         return None;
     }
-    let lists =
-        [("mesh.thicknesses", thicknesses), ("mesh.offsets", offsets), ("mesh.angles", angles)];
-    if let Some((key, _)) = lists.into_iter().find(|(_, list)| !list.is_empty()) {
+    let lists = [
+        ("mesh.thicknesses", !thicknesses.is_empty()),
+        ("mesh.offsets", !offsets.is_empty()),
+        ("mesh.angles", !angles.is_empty()),
+        ("mesh.stresses", !stresses.is_empty()),
+    ];
+    if let Some((key, _)) = lists.into_iter().find(|(_, given)| *given) {
         let message = format!("{key} is not for a mesh file in TOML");
         findings.add(Problem::error(key, message, "write them in the mesh file"));
         return None;

@@ -5,7 +5,9 @@ use super::state::{ElementStart, NodeSets, NodeStart};
 use super::units::read;
 use super::validate::{JobProblems, nearest};
 use crumple_proto::ids::{ElemId, NodeId};
-use crumple_proto::job::{BlastInput, Burst, Job, MotionInput, PressureInput, Symmetry};
+use crumple_proto::job::{
+    BlastInput, Burst, GravityInput, Job, MotionInput, PressureInput, Symmetry,
+};
 use crumple_proto::loads::{
     Blast, Gravity, MotionForm, NodalForce, PartDamping, PrescribedMotion, Pressure, ResolvedLoads,
 };
@@ -69,6 +71,15 @@ pub fn resolve(
     for (i, g) in job.gravity.iter().enumerate() {
         let curve = curves.find(&g.curve, &format!("gravity.{i}.curve"), findings);
         known_parts(&g.parts, &format!("gravity.{i}"), "gravity", job, findings);
+        if let Some(name) = &g.nodes {
+            let path = format!("gravity.{i}.nodes");
+            if !g.parts.is_empty() {
+                let message = "a gravity has both `nodes` and `parts`";
+                let help = "remove one of them; two gravities add up";
+                findings.add(Problem::error(path.clone(), message, help));
+            }
+            sets.indices(name, path, findings);
+        }
         // Shares follow from the masses of the elements, see `share_masses`.
         loads.gravity.push(Gravity { acceleration: g.acceleration, curve, shares: None });
     }
@@ -405,7 +416,8 @@ fn known_parts(
 }
 
 /// Finds the nodes of gravity and damping of parts, with the fraction of their mass that elements
-/// of these parts have. The mass of tied nodes counts at the nodes that they follow.
+/// of these parts have, and those of gravity of nodes. The mass of tied nodes counts at the nodes
+/// that they follow.
 pub fn share_masses(
     job: &Job,
     mesh: &Mesh,
@@ -413,12 +425,12 @@ pub fn share_masses(
     (elements, nodes): (&ElementStart, &NodeStart),
     findings: &mut JobProblems,
 ) {
-    if job.gravity.iter().all(|g| g.parts.is_empty()) && job.damping.is_empty() {
+    if !job.gravity.iter().any(GravityInput::is_partial) && job.damping.is_empty() {
         return;
     }
     let place: HashMap<NodeId, usize> =
         mesh.nodes.iter().enumerate().map(|(n, node)| (node.id, n)).collect();
-    let masses_of = |of: &dyn Fn(u32) -> bool, added: Option<&[f64]>| {
+    let masses_of = |of: &dyn Fn(u32) -> bool, added: Option<&[f64]>, at: Option<&[NodeId]>| {
         let mut masses = added.map_or(vec![0.0; mesh.nodes.len()], <[f64]>::to_vec);
         for (i, e) in mesh.elements.iter().enumerate().filter(|(_, e)| of(e.part)) {
             let each = elements.mass_with_scaling(i) / e.shape.corners() as f64;
@@ -426,23 +438,35 @@ pub fn share_masses(
                 masses[place[id]] += each * e.shape.mass_share(c);
             }
         }
+        if let Some(at) = at {
+            let is_in = |n: usize| at.binary_search(&mesh.nodes[n].id).is_ok();
+            masses.iter_mut().enumerate().filter(|(n, _)| !is_in(*n)).for_each(|(_, m)| *m = 0.0);
+        }
         for tie in &settings.ties {
             let mass = std::mem::take(&mut masses[place[&tie.node]]);
             tie.masters.iter().for_each(|(id, share)| masses[place[id]] += share * mass);
         }
         masses
     };
-    let whole = masses_of(&|_| true, Some(&nodes.added_mass));
-    let shares = |parts: &[u32]| {
-        let own = masses_of(&|p| parts.contains(&p), None);
+    let all_masses = Some(&nodes.added_mass[..]);
+    let whole = masses_of(&|_| true, all_masses, None);
+    let shares_of = |own: Vec<f64>| {
         let share =
             |(n, mass): (usize, &f64)| (*mass > 0.0).then(|| (mesh.nodes[n].id, mass / whole[n]));
         let mut list: Vec<_> = own.iter().enumerate().filter_map(share).collect();
         list.sort_unstable_by_key(|s| s.0);
         list
     };
-    let of_gravity: Vec<_> =
-        job.gravity.iter().map(|g| (!g.parts.is_empty()).then(|| shares(&g.parts))).collect();
+    let shares = |parts: &[u32]| shares_of(masses_of(&|p| parts.contains(&p), None, None));
+    let of_nodes = |name: &String| {
+        let at = mesh.node_sets.get(name).map_or(&[][..], |ids| &ids[..]);
+        shares_of(masses_of(&|_| true, all_masses, Some(at)))
+    };
+    let of_one = |g: &GravityInput| match &g.nodes {
+        Some(name) => Some(of_nodes(name)),
+        None => (!g.parts.is_empty()).then(|| shares(&g.parts)),
+    };
+    let of_gravity: Vec<_> = job.gravity.iter().map(of_one).collect();
     let of_damping: Vec<_> = job.damping.iter().map(|d| shares(&d.parts)).collect();
     for (gravity, shares) in settings.loads.gravity.iter_mut().zip(of_gravity) {
         gravity.shares = shares;

@@ -3,12 +3,14 @@
 
 pub mod added;
 mod elements;
+mod stresses;
 
 use super::report::PlacedProblem;
 use super::validate::JobProblems;
 use crate::input::deck::ListLengths;
 use added::AddedRange;
 use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::initial;
 use crumple_proto::job::{AddedMeshInput, Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape, corner_nodes};
 use crumple_proto::problem::Problem;
@@ -202,11 +204,12 @@ pub fn from_rows(source: &MeshSource, findings: &mut JobProblems) -> Option<Plac
     whole.then_some(PlacedMesh::of_deck(mesh, lists, BTreeSet::new()))
 }
 
-/// Lists of thicknesses, offsets and angles of single shells of a mesh.
+/// Lists of thicknesses, offsets and angles of single shells, and of stresses, of a mesh.
 pub struct OwnLists<'a> {
     thicknesses: &'a [[f64; 2]],
     offsets: &'a [[f64; 2]],
     angles: &'a [[f64; 2]],
+    stresses: &'a [[f64; 10]],
     /// Path of the table that has the lists.
     path: String,
     /// Begin of messages.
@@ -216,26 +219,28 @@ pub struct OwnLists<'a> {
 impl<'a> OwnLists<'a> {
     /// Returns the lists of the mesh of a job, without those that are added to it.
     pub fn of(source: &'a MeshSource) -> Self {
-        let MeshSource { thicknesses, offsets, angles, .. } = source;
-        OwnLists { thicknesses, offsets, angles, path: "mesh".into(), of: String::new() }
+        let MeshSource { thicknesses, offsets, angles, stresses, .. } = source;
+        let (path, of) = ("mesh".into(), String::new());
+        OwnLists { thicknesses, offsets, angles, stresses, path, of }
     }
 
     /// Returns the lists of the mesh with this number that is added.
     fn of_added(index: usize, input: &'a AddedMeshInput) -> Self {
         let AddedMeshInput { thicknesses, offsets, angles, file, .. } = input;
         let (path, of) = (format!("mesh.add.{index}"), format!("{file}: "));
-        OwnLists { thicknesses, offsets, angles, path, of }
+        OwnLists { thicknesses, offsets, angles, stresses: &[], path, of }
     }
 
-    /// Assigns the values to the shells of a mesh. Reports rows that do not fit it.
+    /// Assigns the values to the elements of a mesh. Reports rows that do not fit it.
     fn assign(&self, mesh: &mut Mesh, few: &mut Few<'_>) {
         self.assign_one(mesh, &THICKNESS, self.thicknesses, few);
         self.assign_one(mesh, &OFFSET, self.offsets, few);
         self.assign_one(mesh, &ANGLE, self.angles, few);
+        stresses::assign(mesh, self.stresses, &self.path, few);
     }
 }
 
-/// Assigns thicknesses, offsets and angles of their own to shells, from the lists of a job.
+/// Assigns values of their own to elements, from the lists of a job.
 pub fn with_own_sections(
     mut read: PlacedMesh,
     lists: &OwnLists<'_>,
@@ -432,6 +437,7 @@ pub fn check(read: PlacedMesh, parts: Option<&[u32]>, findings: &mut JobProblems
     mesh.nodes.retain(|n| used.contains(&n.id));
     mesh.nodes.sort_by_key(|n| n.id);
     mesh.elements.sort_by_key(|e| e.id);
+    initial::sort(&mut mesh.initial);
     let mut axes = Axes::new();
     for e in mesh.elements.iter_mut().filter(|e| e.shape == Shape::Beam2) {
         if let (Some(from), Some(to)) = (at.get(&e.nodes[0]), at.get(&e.nodes[2])) {

@@ -29,6 +29,7 @@ mod failure_groups;
 mod files;
 pub mod histories;
 mod include;
+mod initial_stresses;
 pub mod inline_sets;
 mod joints;
 pub mod laws;
@@ -293,6 +294,7 @@ fn build(
     let (mesh, given) = (mesh?, ties.given);
     let smallest = quality.as_ref().map_or(0.0, |q| q.min_side.value);
     let nodes = constrain(&job, &mesh, &mut settings, smallest, findings);
+    settings.initial = initial_stresses::resolve(&job, &mesh, &settings, &blocks, findings);
     settings.failure_groups = failure_groups::resolve(&job, &mesh, (&settings, &blocks), findings);
     particles::check(&job, &mesh, &settings, findings);
     if findings.any_error() {

@@ -126,6 +126,7 @@ impl Model {
     /// nodes and elements.
     pub fn forget_mesh(&mut self) {
         self.mesh = Mesh::default();
+        self.settings.initial = Vec::new();
         self.nodes = NodeStart::default();
         self.elements = ElementStart::default();
     }

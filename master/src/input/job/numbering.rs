@@ -12,6 +12,7 @@
 
 use super::validate::JobProblems;
 use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::initial;
 use crumple_proto::mesh::{Mesh, MeshNode};
 use crumple_proto::problem::Problem;
 use std::collections::HashMap;
@@ -107,6 +108,8 @@ fn rename(
     mesh.elements.sort_unstable_by_key(|e| e.id);
     axes.iter_mut().for_each(|axis| axis.0 = elements[&axis.0]);
     axes.sort_unstable_by_key(|axis| axis.0);
+    mesh.initial.iter_mut().for_each(|point| point.element = elements[&point.element]);
+    initial::sort(&mut mesh.initial);
     for set in mesh.node_sets.values_mut() {
         set.iter_mut().for_each(node);
         set.sort_unstable();
@@ -266,6 +269,7 @@ mod tests {
                 "edge".into(),
                 (0..=SIDE).map(|j| id(0, j)).chain([NodeId(1 << 40)]).collect(),
             )]),
+            initial: Vec::new(),
         };
         mesh.nodes.sort_by_key(|n| n.id);
         mesh.elements.sort_by_key(|e| e.id);

@@ -209,7 +209,8 @@ impl SourceFiles {
     fn show(&self, finding: PlacedProblem) -> Located {
         let PlacedProblem { problem, place, in_mesh_file } = finding;
         // Below these keys a mesh file replaces the job's [mesh].
-        let inside = ["nodes", "shells", "thicknesses", "offsets", "node_sets"].iter().any(|key| {
+        let keys = ["nodes", "shells", "thicknesses", "offsets", "stresses", "node_sets"];
+        let inside = keys.iter().any(|key| {
             problem.path.strip_prefix("mesh.").is_some_and(|p| p.split('.').next() == Some(key))
         });
         let (source, path) = match &self.mesh {

@@ -315,6 +315,7 @@ pub fn settings(
         parts,
         with_own_offsets: Vec::new(),
         axes: Vec::new(),
+        initial: Vec::new(),
         followed: Vec::new(),
         precision: job.elements.precision,
         walls: Vec::new(),

@@ -7,12 +7,12 @@ use crate::run::balance::Due;
 use crate::run::checkpoint::find::{self, Resumption};
 use crate::run::decompose::{Before, ElementLoads, Workers, bisect, drifted};
 use crumple_proto::boxes::CutTree;
-use crumple_proto::ids::NodeId;
+use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::{NodeRecord, Settings};
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{await_message, post};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Number of high redecompositions whose lines go to clients. All are in `log.jsonl`.
@@ -122,7 +122,8 @@ impl Control<'_> {
         for (e, &c) in elements.iter().zip(&centres) {
             shares[self.tree.worker_of(c)].push(*e);
         }
-        let settings = settings(self.model, &self.out);
+        let mut settings = settings(self.model, &self.out);
+        let initial = std::mem::take(&mut settings.initial);
         for (worker, elements) in shares.into_iter().enumerate() {
             let mut ids: Vec<NodeId> = elements.iter().flat_map(|e| e.nodes).collect();
             ids.sort_unstable();
@@ -130,7 +131,14 @@ impl Control<'_> {
             tracing::info!(worker, elements = elements.len(), nodes = ids.len(), "partition sent");
             let nodes = ids.iter().map(|id| *of_id[id]).collect();
             let trace = self.trace.is_some();
-            let (settings, tree) = (Box::new(settings.clone()), self.tree.clone());
+            let mut settings = Box::new(settings.clone());
+            let own: HashSet<ElemId> = match initial.is_empty() {
+                true => HashSet::new(),
+                false => elements.iter().map(|e| e.id).collect(),
+            };
+            let own = initial.iter().filter(|point| own.contains(&point.element));
+            settings.initial = own.copied().collect();
+            let tree = self.tree.clone();
             let start = ToWorker::Start { settings, tree, elements, nodes, trace };
             post(self.comm, worker + 1, Tag::Order, &start)?;
         }

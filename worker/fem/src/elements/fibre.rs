@@ -6,7 +6,7 @@ use crate::materials::{Elastic, MAX_POINTS, PlaneStress, Points};
 /// Number of stress columns of a fibre, before those of the law: along, across, shear.
 const STRESS: usize = 3;
 /// Largest number of columns of a fibre.
-const MOST: usize = 8;
+const MOST: usize = 12;
 /// Largest number of corrections of the strain across a fibre, and the residual stress across that
 /// is accepted, over the modulus.
 const CORRECTIONS: usize = 20;

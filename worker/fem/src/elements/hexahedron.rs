@@ -43,13 +43,14 @@ use super::solid::{
 };
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupCorners,
-    GroupNodes, HourglassForm, PassTotals, SolidGroups, Totals, zero_failed,
+    GroupNodes, HourglassForm, PassTotals, SolidGroups, TakenAtStart, Totals, zero_failed,
 };
 use crate::columns::ElementState;
 use crate::materials::{Elastic, PointLanes, PointReal, Solid};
 use crate::nodes::NodeView;
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::Real;
+use crumple_proto::initial::InitialPoint;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
@@ -355,6 +356,14 @@ impl Element for Hexahedron {
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
         let volume = Gradient::new(&modes_of_corners(per_corner(x))).volume();
         self.material.measure(history, x, 1, volume);
+    }
+
+    fn taken_at_start(&self) -> TakenAtStart {
+        self.material.taken_at_start()
+    }
+
+    fn set_initial(&self, history: &mut [f64], _: &[[f64; 3]], points: &[InitialPoint]) {
+        self.material.set_initial(history, 1, points);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {

@@ -14,6 +14,7 @@ mod fully_integrated_quad;
 #[cfg(test)]
 mod gissmo_tests;
 mod hexahedron;
+mod initial;
 #[cfg(test)]
 mod inverted_tests;
 mod kinematics;
@@ -60,6 +61,7 @@ mod wedge;
 
 pub use belt::is_steeper;
 pub use cohesive::COHESIVE;
+pub use initial::TakenAtStart;
 pub use parameters::HourglassForm;
 pub use pass::{ElementNodalForces, ElementPass, GroupNodes, PassTotals, energy_places};
 pub use section::LARGEST_OFFSET;
@@ -69,6 +71,7 @@ use crate::columns::ElementState;
 use crate::materials::{self, Cohesive, LayerPoint, PlaneStress, Solid, unknown_name};
 use crate::parameter::{ParameterRow, Values};
 use crumple_math::lanes::Real;
+use crumple_proto::initial::InitialPoint;
 use crumple_proto::job::{LayerInput, Part};
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::partition::{Material, Settings};
@@ -170,6 +173,15 @@ pub trait Element: Send + Sync {
 
     /// Orients a new beam with this history: its second axis points towards the vector `towards`.
     fn orient(&self, _history: &mut [f64], _towards: [f64; 3]) {}
+
+    /// Returns what its law takes of a stress and a plastic strain at the start.
+    fn taken_at_start(&self) -> TakenAtStart {
+        TakenAtStart::default()
+    }
+
+    /// Sets stress and plastic strain in the history of a new element, if it takes them, after
+    /// [`Self::measure`]. `points` are those of the element, at least one, sorted.
+    fn set_initial(&self, _history: &mut [f64], _x: &[[f64; 3]], _points: &[InitialPoint]) {}
 
     /// Returns the mass [mass] and the rotational inertia [mass length^2] that one element
     /// contributes to each of its corners, on average ([`Shape::mass_share`]). `x` are the

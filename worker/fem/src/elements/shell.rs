@@ -3,11 +3,12 @@
 use super::section::Section;
 use super::{
     Element, ElementFields, ElementPass, GroupCorners, GroupNodes, PassTotals, PointFields,
-    ShellGroups, Totals, four, with_points,
+    ShellGroups, TakenAtStart, Totals, four, with_points,
 };
 use crate::columns::ElementState;
 use crate::materials::PointLanes;
 use crate::nodes::NodeView;
+use crumple_proto::initial::InitialPoint;
 use crumple_proto::mesh::OwnSection;
 
 /// Properties and kernel of one shell formulation.
@@ -148,6 +149,14 @@ impl<F: Formulation> Element for Shell<F> {
         self.measure(&mut quarter, x, own);
         self.section().inherit(history, corner, &mut quarter);
         Some(quarter)
+    }
+
+    fn taken_at_start(&self) -> TakenAtStart {
+        self.section().taken_at_start()
+    }
+
+    fn set_initial(&self, history: &mut [f64], x: &[[f64; 3]], points: &[InitialPoint]) {
+        self.section().set_initial(history, points, &F::axes(four(x)));
     }
 
     fn plastic_bending_strain(&self, history: ElementState<'_>) -> f64 {

@@ -3,6 +3,7 @@
 //!
 //! The steps are those of [`hexahedron`](super::hexahedron).
 
+use super::initial::{StateAtStart, TakenAtStart};
 use super::parameters::{self, DELETE, DELETION_STEP};
 use super::pass::{GroupCorners, GroupNodes};
 use super::{ElementFields, damage_column, law_column};
@@ -14,6 +15,7 @@ use crate::materials::{
 };
 use crate::parameter::{DefaultValue, Form, ParameterRow, Range, Values};
 use crumple_math::lanes::{Lane, Real, cross, dot};
+use crumple_proto::initial::InitialPoint;
 use crumple_proto::job::Part;
 use crumple_proto::problem::Problem;
 
@@ -275,6 +277,28 @@ impl SolidMaterial {
             (0..points).for_each(|p| history[p * self.state + size] = volume.cbrt());
         }
         self.orient(history, x, points);
+    }
+
+    /// Returns what the law takes of a state at the start.
+    pub fn taken_at_start(&self) -> TakenAtStart {
+        let stress = self.law.adds_stress();
+        TakenAtStart { stress, plastic_strain: stress && self.plastic_strain.is_some() }
+    }
+
+    /// Gives all of so many points of a new element the mean stress and plastic strain of the
+    /// given ones.
+    pub fn set_initial(&self, history: &mut [f64], points: usize, given: &[InitialPoint]) {
+        let TakenAtStart { stress, plastic_strain } = self.taken_at_start();
+        if !stress {
+            return;
+        }
+        let state = StateAtStart::of_solid(given);
+        for point in history.chunks_exact_mut(self.state).take(points) {
+            point[..STRESS].copy_from_slice(&state.stress);
+            if let Some(column) = self.plastic_strain.filter(|_| plastic_strain) {
+                point[column] = state.plastic_strain;
+            }
+        }
     }
 
     /// Stores the axes of the material; see [`Self::measure`].

@@ -40,13 +40,14 @@ use super::solid::{
 };
 use super::{
     Constructor, Element, ElementEntry, ElementFields, ElementPass, ElementResult, GroupNodes,
-    PassTotals, SolidGroups, Totals, zero_failed,
+    PassTotals, SolidGroups, TakenAtStart, Totals, zero_failed,
 };
 use crate::columns::ElementState;
 use crate::materials::{PointLanes, PointReal, Solid};
 use crate::nodes::NodeView;
 use crate::parameter::Values;
 use crumple_math::lanes::{Real, cross, dot};
+use crumple_proto::initial::InitialPoint;
 use crumple_proto::job::Part;
 use crumple_proto::mesh::{OwnSection, Shape};
 use crumple_proto::problem::Problem;
@@ -502,6 +503,14 @@ impl Element for Wedge {
     fn measure(&self, history: &mut [f64], x: &[[f64; 3]], _: OwnSection) {
         let volume = WedgeGradient::new(&relative(x)).volume;
         self.material.measure(history, x, POINTS, volume);
+    }
+
+    fn taken_at_start(&self) -> TakenAtStart {
+        self.material.taken_at_start()
+    }
+
+    fn set_initial(&self, history: &mut [f64], _: &[[f64; 3]], points: &[InitialPoint]) {
+        self.material.set_initial(history, POINTS, points);
     }
 
     fn corner_mass(&self, x: &[[f64; 3]], _: OwnSection) -> (f64, f64) {

@@ -170,6 +170,9 @@ impl PlaneStress for Barlat {
     fn history(&self) -> &[&'static str] {
         &HISTORY
     }
+    fn adds_stress(&self) -> bool {
+        true
+    }
     fn elastic(&self) -> Elastic {
         self.elastic
     }

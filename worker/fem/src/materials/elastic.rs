@@ -85,6 +85,9 @@ impl PlaneStress for LinearElastic {
     fn history(&self) -> &'static [&'static str] {
         &[]
     }
+    fn adds_stress(&self) -> bool {
+        true
+    }
     fn elastic(&self) -> Elastic {
         self.elastic
     }
@@ -102,6 +105,9 @@ impl PlaneStress for LinearElastic {
 impl Solid for LinearElastic {
     fn history(&self) -> &'static [&'static str] {
         &[]
+    }
+    fn adds_stress(&self) -> bool {
+        true
     }
     fn elastic(&self) -> Elastic {
         self.elastic

@@ -73,7 +73,7 @@ pub const EROSION: &[ParameterRow] = &[
     row(
         "erosion_major_strain",
         "Largest principal strain, logarithmic, from which on a point fails; in shells that in the \
-         plane.",
+         plane, in fibres of beams and trusses that along or across.",
     ),
     row(
         "erosion_compression",

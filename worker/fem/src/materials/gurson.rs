@@ -440,6 +440,9 @@ impl PlaneStress for Gurson {
     fn history(&self) -> &[&'static str] {
         &HISTORY[..self.columns()]
     }
+    fn adds_stress(&self) -> bool {
+        true
+    }
     fn elastic(&self) -> Elastic {
         self.elastic
     }
@@ -463,6 +466,9 @@ impl PlaneStress for Gurson {
 impl Solid for Gurson {
     fn history(&self) -> &[&'static str] {
         &HISTORY[..self.columns()]
+    }
+    fn adds_stress(&self) -> bool {
+        true
     }
     fn elastic(&self) -> Elastic {
         self.elastic

@@ -137,6 +137,9 @@ impl PlaneStress for Layered {
     fn elastic(&self) -> Elastic {
         self.elastic
     }
+    fn adds_stress(&self) -> bool {
+        self.laws.iter().all(|law| law.adds_stress())
+    }
     fn initial_yield_stress(&self) -> f64 {
         self.laws.iter().map(|law| law.initial_yield_stress()).fold(f64::INFINITY, f64::min)
     }

@@ -171,6 +171,12 @@ pub trait PlaneStress: Send + Sync {
         self.elastic()
     }
 
+    /// Returns true if the stress follows from that before and the strain increment, so that an
+    /// element can have a stress at the start.
+    fn adds_stress(&self) -> bool {
+        false
+    }
+
     /// Returns the law itself if its yield stress depends on the strain rate.
     fn rate_dependent(&self) -> Option<&Plasticity> {
         None
@@ -277,6 +283,12 @@ pub trait Solid: Send + Sync {
     /// only with a pressure that is linear in the volume strain.
     fn averages_volume(&self) -> bool {
         true
+    }
+
+    /// Returns true if the stress follows from that before and the strain increment, so that an
+    /// element can have a stress at the start.
+    fn adds_stress(&self) -> bool {
+        false
     }
 
     /// Returns the viscosity of a fluid [force*time/length^2]; `None` if the law is not one. A
@@ -467,11 +479,9 @@ pub fn has_damage(material: &Material) -> bool {
 }
 
 /// Parameters that describe a sheet or its size: beams and trusses cannot have them.
-pub const OF_SHEETS: [&str; 8] = [
+pub const OF_SHEETS: [&str; 6] = [
     j2::LANKFORD,
     "erosion_thinning",
-    "erosion_major_strain",
-    "erosion_effective_strain",
     gissmo::SIZES,
     "diem_ductile",
     "diem_shear",

@@ -411,6 +411,9 @@ impl PlaneStress for Ply {
     fn history(&self) -> &[&'static str] {
         if self.failure.is_some() { &HISTORY } else { &HISTORY[..2] }
     }
+    fn adds_stress(&self) -> bool {
+        true
+    }
     fn elastic(&self) -> Elastic {
         self.stiffness.bound(&self.transverse, self.density)
     }

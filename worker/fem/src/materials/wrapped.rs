@@ -142,6 +142,9 @@ impl<A: LawModifier> PlaneStress for Wrapped<dyn PlaneStress, A> {
     fn elastic(&self) -> Elastic {
         self.law.elastic()
     }
+    fn adds_stress(&self) -> bool {
+        self.law.adds_stress()
+    }
     fn initial_yield_stress(&self) -> f64 {
         self.law.initial_yield_stress()
     }
@@ -186,6 +189,9 @@ impl<A: LawModifier> Solid for Wrapped<dyn Solid, A> {
     }
     fn elastic(&self) -> Elastic {
         self.law.elastic()
+    }
+    fn adds_stress(&self) -> bool {
+        self.law.adds_stress()
     }
     fn averages_volume(&self) -> bool {
         self.modifier.averages_volume(self.law.averages_volume())

@@ -1,6 +1,5 @@
-//! Converts `*LOAD_BODY_GENERALIZED`: an acceleration of the frame of reference of some nodes. A
-//! job has gravity of parts, so the nodes have to be those of whole parts. Radioss has `/GRAV` of a
-//! group, which is the same without the change of sign.
+//! Converts `*LOAD_BODY_GENERALIZED`: an acceleration of the frame of reference of some nodes or
+//! parts. Radioss has `/GRAV` of a group, which is the same without the change of sign.
 
 use super::DeckConverter;
 use super::tree::JobTable;
@@ -17,8 +16,31 @@ const KEYWORDS: [(&str, &str); 3] = [
 /// Consequence of a load that is left out.
 const LOST: &str = "the load is left out: these nodes have no gravity by it";
 
-/// Parts on whose masses gravity acts.
+/// Masses on which gravity acts.
 pub(super) enum GravityOf {
+    /// Those of the whole model.
+    All,
+    /// Those of the elements of these parts.
+    Parts(Vec<i64>),
+    /// Those of the nodes of this set.
+    Nodes(String),
+    /// None: the nodes have no masses.
+    Nothing,
+}
+
+impl std::fmt::Display for GravityOf {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::All => f.write_str("of all masses"),
+            Self::Parts(parts) => write!(f, "of the elements of parts {parts:?}"),
+            Self::Nodes(name) => write!(f, "of the masses of the nodes of {name}"),
+            Self::Nothing => f.write_str("of nothing"),
+        }
+    }
+}
+
+/// Parts on whose masses a load acts.
+pub(super) enum MassesOf {
     /// The whole model.
     All,
     /// Some parts, which share this number of nodes with others.
@@ -40,10 +62,10 @@ impl DeckConverter {
         let of = match field {
             "psid" => match self.part_set(number, place) {
                 parts if parts.is_empty() => return,
-                parts => Some(GravityOf::Parts(parts, 0)),
+                parts => GravityOf::Parts(parts),
             },
             "nsid" => match self.node_set(number, place) {
-                Some(_) => self.parts_of_group(&self.node_sets[&number].0.clone()),
+                Some(name) => self.gravity_of(&self.node_sets[&number].0.clone(), name),
                 None => return,
             },
             _ => {
@@ -51,12 +73,12 @@ impl DeckConverter {
                 let range = |node: &NodeId| (number..=last).contains(&(node.0 as i64));
                 let nodes: Vec<NodeId> =
                     self.rows.nodes.iter().map(|n| n.id).filter(range).collect();
-                self.parts_of_group(&nodes)
+                let of = self.gravity_of(&nodes, format!("nodes-{number}-{last}"));
+                if let GravityOf::Nodes(name) = &of {
+                    self.rows.add_set(name.clone(), nodes, place);
+                }
+                of
             }
-        };
-        let Some(of) = of else {
-            let why = "nodes that are not those of whole parts";
-            return self.unsupported_card(record, field, why);
         };
         let Some(line) = record.line("ax").cloned() else { return };
         let given = ["ax", "ay", "az"].map(|axis| line.real(axis));
@@ -65,20 +87,61 @@ impl DeckConverter {
         let acceleration = base.map(|c| if c == 0.0 { 0.0 } else { -c });
         let at = record.place("lcid");
         let Some(curve) = self.time_curve(record.integer("lcid"), at) else { return };
-        let mut table =
-            JobTable::new(record.head).with("acceleration", line.place("ax"), acceleration);
-        let mut used = format!("acceleration {acceleration:?} of all masses");
-        if let GravityOf::Parts(parts, shared) = of {
-            used = format!("acceleration {acceleration:?} of the elements of parts {parts:?}");
-            table.put("parts", place, parts);
-            self.warn_of_shared(record, field, ("gravity", shared));
-        }
+        let table = JobTable::new(record.head)
+            .with("acceleration", line.place("ax"), acceleration)
+            .with("curve", at, curve);
         let asked = format!("{field} {number} with {given:?}");
-        self.map(record.name(), asked, format!("{used}, as of *LOAD_BODY"));
-        self.add("gravity", table.with("curve", at, curve));
+        let used = format!("acceleration {acceleration:?} {of}, as of *LOAD_BODY");
+        self.map(record.name(), asked, used);
+        self.add_gravity(table, of, record, field);
     }
 
-    /// Warns of masses that gravity of parts does not act on: of nodes that other parts have too,
+    /// Adds gravity on these masses. A field of the record names them.
+    pub(super) fn add_gravity(
+        &mut self,
+        mut table: JobTable,
+        of: GravityOf,
+        record: &CardRecord,
+        field: &str,
+    ) {
+        let place = record.place(field);
+        match of {
+            GravityOf::All => {}
+            GravityOf::Parts(parts) => table.put("parts", place, parts),
+            GravityOf::Nodes(name) => table.put("nodes", place, name),
+            GravityOf::Nothing => {
+                let message = format!("{}: none of its nodes has a mass", record.name());
+                return self.trouble.warning(place, message, LOST);
+            }
+        }
+        self.add("gravity", table);
+    }
+
+    /// Returns the masses of a group of nodes, a set with this name.
+    pub(super) fn gravity_of(&self, group: &[NodeId], name: String) -> GravityOf {
+        match self.parts_of_group(group) {
+            Some(MassesOf::All) => GravityOf::All,
+            // Gravity of parts acts on the masses of elements only.
+            Some(MassesOf::Parts(parts, 0)) if !self.has_nodal_masses() => GravityOf::Parts(parts),
+            _ => {
+                let used: BTreeSet<NodeId> = self.rows.nodes_of(|_| true).into_iter().collect();
+                match group.iter().any(|node| used.contains(node)) {
+                    true => GravityOf::Nodes(name),
+                    false => GravityOf::Nothing,
+                }
+            }
+        }
+    }
+
+    /// Returns true if cards give masses to nodes.
+    fn has_nodal_masses(&self) -> bool {
+        let is_mass = |name: &str| {
+            name.starts_with("ELEMENT_MASS") || ["ELEMENT_INERTIA", "/ADMAS"].contains(&name)
+        };
+        self.read.iter().any(|card| is_mass(card.row.keyword.name))
+    }
+
+    /// Warns of masses that a load of parts does not act on: of nodes that other parts have too,
     /// and those that cards give to nodes.
     pub(super) fn warn_of_shared(
         &mut self,
@@ -86,8 +149,7 @@ impl DeckConverter {
         field: &str,
         (load, shared): (&str, usize),
     ) {
-        let is_mass = |name: &str| name.starts_with("ELEMENT_MASS") || name == "/ADMAS";
-        if self.read.iter().any(|card| is_mass(card.row.keyword.name)) {
+        if self.has_nodal_masses() {
             let message = format!("{}: masses of nodes have no {load} by it", record.name());
             let help = format!(
                 "it acts on the elements of its parts: name all nodes of the model for {load} on \
@@ -111,11 +173,11 @@ impl DeckConverter {
 
     /// Returns the parts whose nodes are those of a group; `None` if the group has only some nodes
     /// of a part that has a mass.
-    pub(super) fn parts_of_group(&mut self, group: &[NodeId]) -> Option<GravityOf> {
+    pub(super) fn parts_of_group(&self, group: &[NodeId]) -> Option<MassesOf> {
         let group: BTreeSet<NodeId> = group.iter().copied().collect();
         let used: BTreeSet<NodeId> = self.rows.nodes_of(|_| true).into_iter().collect();
         if used.is_subset(&group) {
-            return Some(GravityOf::All);
+            return Some(MassesOf::All);
         }
         let rows = &self.rows;
         let (mut within, mut without) = (BTreeSet::new(), BTreeSet::new());
@@ -134,6 +196,6 @@ impl DeckConverter {
         let others = bodies.chain(&rows.particles).filter(|e| !is_own(e.part));
         let others: BTreeSet<NodeId> = others.flat_map(|e| e.corners()).copied().collect();
         let shared = own.intersection(&others).count();
-        Some(GravityOf::Parts(parts, shared))
+        Some(MassesOf::Parts(parts, shared))
     }
 }

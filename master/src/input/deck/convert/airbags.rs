@@ -5,7 +5,10 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use std::collections::HashSet;
 
-const KEYWORDS: [&str; 4] = [
+/// A bag whose pressure is a function of time.
+const LOAD_CURVE: &str = "AIRBAG_LOAD_CURVE";
+const KEYWORDS: [&str; 5] = [
+    LOAD_CURVE,
     "AIRBAG_SIMPLE_PRESSURE_VOLUME",
     "AIRBAG_ADIABATIC_GAS_MODEL",
     "AIRBAG_SIMPLE_AIRBAG_MODEL",
@@ -24,6 +27,10 @@ impl DeckConverter {
     pub(super) fn airbags(&mut self) {
         let mut names = HashSet::new();
         for record in self.take_in_order(&KEYWORDS) {
+            if record.row.keyword.name == LOAD_CURVE {
+                self.pressure_by_time(&record);
+                continue;
+            }
             let Some(bag) = self.bag(&record, &mut names) else { continue };
             let bag = match record.row.keyword.name {
                 "AIRBAG_SIMPLE_PRESSURE_VOLUME" => Some(self.pressure_by_volume(&record, bag)),
@@ -73,6 +80,46 @@ impl DeckConverter {
             bag.put("normals_inwards", place, true);
         }
         Some(bag)
+    }
+
+    /// Adds the pressure of a bag over time to its surface, along the normals of its shells or
+    /// segments.
+    fn pressure_by_time(&mut self, record: &CardRecord) {
+        let (sid, at) = (record.integer("sid"), record.place("sid"));
+        let (lcid, place) = (record.integer("lcid"), record.place("lcid"));
+        if lcid == 0 {
+            let why = "a gas without a curve: use *AIRBAG_ADIABATIC_GAS_MODEL";
+            return self.unsupported_card(record, "lcid", why);
+        }
+        if record.real("stime") != 0.0 {
+            let why = "a delay: shift the points of the curve";
+            return self.unsupported_card(record, "stime", why);
+        }
+        let Some(curve) = self.time_curve(lcid, place) else { return };
+        self.map(record.name(), "a pressure over time", "a pressure on the surface of the bag");
+        // A positive pressure acts against the normals of the elements.
+        let table = |pressure: f64| {
+            JobTable::new(record.head).with("pressure", place, pressure).with(
+                "curve",
+                place,
+                curve.clone(),
+            )
+        };
+        if record.integer("sidtyp") != 0 {
+            let parts = self.part_set(sid, at);
+            if !parts.is_empty() {
+                self.add("pressure", table(-1.0).with("parts", at, parts));
+            }
+            return;
+        }
+        let Some(segments) = self.segment_sets.get(&sid).cloned() else {
+            let known: Vec<String> = self.segment_sets.keys().map(i64::to_string).collect();
+            return self.missing(at, "*SET_SEGMENT", sid, &known);
+        };
+        for (sign, group, nodes) in self.groups_of_faces(&segments, true) {
+            let set = self.rows.add_new_set(&format!("airbag-pressure-{sid}"), nodes, group);
+            self.add("pressure", table(-sign).with("nodes", at, set));
+        }
     }
 
     fn pressure_by_volume(&mut self, record: &CardRecord, mut bag: JobTable) -> JobTable {

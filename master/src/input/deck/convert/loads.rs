@@ -8,8 +8,10 @@ use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
 use std::collections::{BTreeMap, HashSet};
 
-/// Keywords of gravity along the axes.
-const BODY_LOADS: [&str; 3] = ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"];
+/// Keywords of gravity along the axes, and along a vector.
+const BODY_LOADS: [&str; 4] = ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z", "LOAD_BODY_VECTOR"];
+/// Consequence of a body load that is left out.
+const LOST: &str = "the load is left out: there is no gravity by it";
 
 impl DeckConverter {
     /// Converts `*ELEMENT_MASS`.
@@ -129,11 +131,16 @@ impl DeckConverter {
     fn body_loads_of(&mut self, parts: &[i64]) {
         for (axis, keyword) in BODY_LOADS.into_iter().enumerate() {
             for record in self.take_records(keyword) {
-                if !self.is_plain(record.integer("cid")) {
-                    self.unsupported_value(&record, "cid", "directions other than the global axes");
-                }
-                let mut acceleration = [0.0; 3];
-                acceleration[axis] = -record.real("sf");
+                let Some(line) = record.line("lcid").cloned() else { continue };
+                let along = match keyword {
+                    "LOAD_BODY_VECTOR" => ["v1", "v2", "v3"].map(|name| record.real(name)),
+                    _ => [0, 1, 2].map(|c| if c == axis { 1.0 } else { 0.0 }),
+                };
+                let scale = -record.real("sf");
+                let given = along.map(|c| if c == 0.0 { 0.0 } else { scale * c });
+                let Some(acceleration) = self.in_global_axes(given, &line, "cid", LOST) else {
+                    continue;
+                };
                 let place = record.place("lcid");
                 let Some(curve) = self.time_curve(record.integer("lcid"), place) else { continue };
                 let mut table = JobTable::new(record.head).with(
@@ -186,17 +193,18 @@ impl DeckConverter {
 
     fn nodal_load(&mut self, line: &CardLine, set: String, force: f64) {
         let dof = line.integer("dof");
-        if !self.is_plain(line.integer("cid")) || !matches!(dof, 1..=3 | 5..=7) {
+        if !matches!(dof, 1..=3 | 5..=7) {
             let message = format!(
-                "a nodal load with dof {dof} and cid {} is not supported",
-                line.integer("cid")
+                "a nodal load with dof {dof} is not supported: it follows nodes, and loads keep \
+                 their direction"
             );
             return self.unsupported(line.place("dof"), message, format!("*LOAD_NODE dof={dof}"));
         }
         let Some(curve) = self.time_curve(line.integer("lcid"), line.place("lcid")) else { return };
         let (key, axis) = if dof < 4 { ("force", dof - 1) } else { ("moment", dof - 5) };
-        let mut amount = [0.0; 3];
-        amount[axis as usize] = force;
+        let local = [0, 1, 2].map(|c| if c == axis { force } else { 0.0 });
+        let lost = "the load is left out: it does not act on the nodes";
+        let Some(amount) = self.in_global_axes(local, line, "cid", lost) else { return };
         let table = JobTable::new(line.place)
             .with("nodes", line.place, set)
             .with(key, line.place("dof"), amount)

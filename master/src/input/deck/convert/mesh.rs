@@ -12,6 +12,7 @@ use crate::input::deck::table::Card;
 use crate::input::deck::text::KeywordBlock;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::initial::InitialPoint;
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape, solid_of_eight};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -53,6 +54,8 @@ pub struct Rows {
     pub raised: [u64; 3],
     /// Elements that were removed.
     pub removed: Vec<MeshElement>,
+    /// Stresses and plastic strains at the start.
+    pub initial: Vec<InitialPoint>,
     /// Nodes of no element that stand for a rigid body: the job does not have them.
     pub stand_ins: BTreeSet<NodeId>,
 }
@@ -658,7 +661,12 @@ impl Rows {
             sets: self.sets.iter().map(|(name, (_, place))| (name.clone(), *place)).collect(),
         };
         let node_sets = self.sets.into_iter().map(|(name, (nodes, _))| (name, nodes)).collect();
-        (Mesh { nodes: self.nodes, elements, node_sets }, places)
+        let mut initial = self.initial;
+        if !self.removed.is_empty() && !initial.is_empty() {
+            let there: HashSet<ElemId> = elements.iter().map(|e| e.id).collect();
+            initial.retain(|point| there.contains(&point.element));
+        }
+        (Mesh { nodes: self.nodes, elements, node_sets, initial }, places)
     }
 }
 

@@ -15,6 +15,7 @@ mod control;
 mod curves;
 mod damage;
 mod discrete_beams;
+mod element_sets;
 mod equations;
 mod fabric;
 mod gurson;
@@ -22,6 +23,7 @@ mod histories;
 mod honeycomb;
 pub(in crate::input::deck) mod inertia;
 pub(in crate::input::deck) mod initial;
+mod initial_stress;
 mod interior;
 mod joints;
 mod left_out;
@@ -32,6 +34,7 @@ pub mod mesh;
 mod metals;
 mod motion;
 mod names;
+mod node_ties;
 pub(in crate::input::deck) mod particles;
 mod parts;
 mod preloads;
@@ -152,6 +155,8 @@ pub struct DeckConverter {
     node_bodies: HashMap<NodeId, String>,
     /// Inertias of nodes, xx, yy, zz, xy, yz, zx [mass length^2].
     node_inertias: BTreeMap<NodeId, ([f64; 6], Place)>,
+    /// Stresses of elements at the start.
+    stresses: initial_stress::DeckStresses,
     /// Initial velocities so far.
     velocities: Vec<initial::DeckVelocity>,
     end_time: f64,
@@ -222,12 +227,14 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.read_element_sets();
     b.segment_sets();
     b.sets();
+    b.initial_stresses();
     b.node_transforms();
     b.welds();
     b.orient_beams();
     b.equations_of_state(&mut materials);
     b.units(&mut materials);
     b.spc();
+    b.linear_equations();
     b.planes();
     b.links();
     b.vectors();
@@ -254,6 +261,7 @@ pub fn build(texts: &Texts, leave_out: &[String], trouble: Trouble) -> (Node, De
     b.embedded();
     b.interpolations();
     b.node_sets_as_one();
+    b.coincident_nodes();
     b.put_ties();
     b.histories();
     b.left_over();
@@ -323,6 +331,7 @@ impl DeckConverter {
             bodies: BTreeMap::new(),
             node_bodies: HashMap::new(),
             node_inertias: BTreeMap::new(),
+            stresses: Default::default(),
             velocities: Vec::new(),
             end_time: 0.0,
             skins: BTreeMap::new(),
@@ -457,6 +466,9 @@ impl DeckConverter {
             "NODE" => self.rows.nodes(&mut cards, &row.cards[0].0, (block, &block.lines)),
             "ELEMENT_SHELL" => self.rows.shells(&mut cards, row, options, block),
             "ELEMENT_SOLID" => self.rows.solids(&mut cards, row, block),
+            "INITIAL_STRESS_SHELL" | "INITIAL_STRESS_SOLID" => {
+                self.stresses.read(&mut cards, row, options, block);
+            }
             "ELEMENT_TSHELL" => self.rows.thick_shells(&mut cards, row, block),
             _ => {
                 let records = cards.records(row, options, block);

@@ -158,7 +158,7 @@ impl DeckConverter {
         self.fixes.push(DeckFix { set, is_new, nodes, dofs, place });
     }
 
-    fn fix_nodes(
+    pub(super) fn fix_nodes(
         &mut self,
         kind: &str,
         dofs: Vec<&'static str>,

@@ -538,6 +538,16 @@ impl DeckConverter {
             (4 | 5, _) => ("stiffness", ""),
             (6 | 7 | 9 | 10, true) => ("assumed_strain", ""),
             (6 | 7 | 9 | 10, false) => ("viscous", " (this ihq is for solids)"),
+            (16, _) => {
+                let message = format!(
+                    "part {}: ihq 16 has no counterpart: its elements have the viscous control",
+                    record.integer("pid")
+                );
+                let help = "give the part an hgid, the id of a *HOURGLASS with ihq 1 to 10";
+                self.trouble.warning(place, message, help);
+                coefficient = 0.0;
+                ("viscous", " (in place of ihq 16)")
+            }
             (8, true) if own.is_none() => {
                 let message = format!(
                     "part {}: ihq 8 of *CONTROL_HOURGLASS is for shells: its solids have the \

@@ -21,6 +21,11 @@ pub const SHELL_SETS: usize = 1;
 /// Index of sets of springs in [`ELEMENT_SETS`].
 const SPRING_SETS: usize = 2;
 
+/// Keyword of sets of the nodes that all of some sets have.
+const INTERSECT: &str = "SET_NODE_INTERSECT";
+/// Option of sets whose cards with the same id are one set.
+const COLLECT: &str = "COLLECT";
+
 /// Consequence of a set of a set that is left out.
 const WITHOUT_SET: &str = "the set has the members of its other sets";
 
@@ -54,6 +59,7 @@ impl DeckConverter {
             let own = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
             sets.entry(record.integer("sid")).or_default().extend(own);
         }
+        self.sets_by_options(list, &mut sets);
         let adding = self.take_records(adding);
         // Sets of sets may name those that come later.
         for _ in 0..=adding.len() {
@@ -143,13 +149,21 @@ impl DeckConverter {
             self.keep_nodes(&record, nodes);
         }
         // Sets of sets may name those that come later.
-        let adding = self.take_in_order(&["SET_NODE_ADD", "SET_NODE_ADD_ADVANCED"]);
+        let keywords = ["SET_NODE_ADD", "SET_NODE_ADD_ADVANCED", INTERSECT];
+        let adding = self.take_in_order(&keywords);
         let members: Vec<SetMembers> = adding.iter().map(|record| self.members(record)).collect();
         for _ in 0..=adding.len() {
             for (record, members) in adding.iter().zip(&members) {
                 let mut nodes = members.nodes.clone();
-                for (other, _) in &members.sets {
-                    nodes.extend(self.node_sets.get(other).into_iter().flat_map(|s| &s.0));
+                let of = |other: &i64| self.node_sets.get(other).map_or(&[][..], |set| &set.0);
+                if record.row.keyword.name == INTERSECT {
+                    nodes.extend(members.sets.first().into_iter().flat_map(|s| of(&s.0)));
+                    for (other, _) in members.sets.iter().skip(1) {
+                        let other: BTreeSet<&NodeId> = of(other).iter().collect();
+                        nodes.retain(|node| other.contains(node));
+                    }
+                } else {
+                    members.sets.iter().for_each(|(other, _)| nodes.extend(of(other)));
                 }
                 self.node_sets.insert(
                     record.integer("sid"),
@@ -208,7 +222,7 @@ impl DeckConverter {
 
     fn part_lists(&mut self) {
         for record in self.take_records("SET_PART_LIST") {
-            self.part_sets.insert(record.integer("sid"), ids(&record, "id"));
+            self.add_part_set(&record, ids(&record, "id"));
         }
         for record in self.take_records("SET_PART_LIST_GENERATE") {
             let ranges = ids(&record, "id");
@@ -218,7 +232,7 @@ impl DeckConverter {
                 let within = self.parts.range(from.min(to)..=to).map(|(&id, _)| (id, pair[0].1));
                 parts.extend(within);
             }
-            self.part_sets.insert(record.integer("sid"), parts);
+            self.add_part_set(&record, parts);
         }
         let adding = self.take_records("SET_PART_ADD");
         for _ in 0..=adding.len() {
@@ -243,6 +257,15 @@ impl DeckConverter {
         }
     }
 
+    /// Adds a set of parts.
+    fn add_part_set(&mut self, record: &CardRecord, parts: Vec<(i64, Place)>) {
+        let set = self.part_sets.entry(record.integer("sid")).or_default();
+        if !record.has(COLLECT) {
+            set.clear();
+        }
+        set.extend(parts);
+    }
+
     /// Adds a node set given by ids.
     fn add_node_set(&mut self, record: &CardRecord, ids: Vec<(i64, Place)>) {
         let nodes = ids.into_iter().filter_map(|(n, place)| {
@@ -258,9 +281,12 @@ impl DeckConverter {
     }
 
     fn keep_nodes(&mut self, record: &CardRecord, mut nodes: Vec<NodeId>) {
+        let (sid, place) = (record.integer("sid"), record.place("sid"));
+        if record.has(COLLECT) {
+            nodes.extend(self.node_sets.remove(&sid).into_iter().flat_map(|set| set.0));
+        }
         nodes.sort_unstable();
         nodes.dedup();
-        let (sid, place) = (record.integer("sid"), record.place("sid"));
         if self.node_sets.insert(sid, (nodes, place)).is_some() {
             self.trouble.error(
                 place,

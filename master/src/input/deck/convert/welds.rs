@@ -1,5 +1,6 @@
 //! Converts `*CONSTRAINED_SPOTWELD` and `*CONSTRAINED_GENERALIZED_WELD_SPOT`, rigid or as beams
-//! that fail, and `*CONSTRAINED_NODE_SET`: nodes with the same displacements.
+//! that fail, `*CONSTRAINED_SHELL_TO_SOLID`, and `*CONSTRAINED_NODE_SET`: nodes with the same
+//! displacements.
 
 use super::DeckConverter;
 use super::parts::DeckPart;
@@ -44,6 +45,20 @@ impl DeckConverter {
             if self.node_set(nsid, place).is_some() {
                 let nodes = self.node_sets[&nsid].0.clone();
                 self.weld(&record, nodes, place, &mut bodies, &mut breaking);
+            }
+        }
+        for record in self.take_records("CONSTRAINED_SHELL_TO_SOLID") {
+            let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
+            let Some(node) = id(record.integer("nid")) else { continue };
+            if self.node_set(nsid, place).is_some() {
+                let mut nodes: BTreeSet<NodeId> = self.node_sets[&nsid].0.iter().copied().collect();
+                nodes.insert(node);
+                self.map(
+                    format!("{}: node {node}", record.name()),
+                    "a node of a shell on a fibre of nodes of solids",
+                    "a rigid body: the fibre turns with the shell and keeps its length",
+                );
+                bodies.push((nodes, place));
             }
         }
         self.rigid_welds(bodies);

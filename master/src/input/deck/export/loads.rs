@@ -1,21 +1,34 @@
 //! Writes gravity, damping of parts and forces on nodes as cards.
 
-use super::{CardValue, DeckWriter, Id, Number, TimeCurves, list};
+use super::{Blank, CardValue, DeckWriter, Id, Number, TimeCurves, list};
 use crate::input::job::Model;
-use crumple_proto::job::LoadInput;
+use crumple_proto::job::{GravityInput, LoadInput};
 
-/// Writes gravity per axis. Decks accelerate the frame of reference, so bodies accelerate in the
-/// opposite direction.
-pub fn gravity(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>) {
+/// Writes gravity, that of the whole model per axis. Decks accelerate the frame of reference, so
+/// bodies accelerate in the opposite direction.
+pub fn gravity(
+    deck: &mut DeckWriter,
+    model: &Model,
+    set: impl Fn(&str) -> CardValue,
+    curves: &mut TimeCurves<'_>,
+) {
     if model.job.gravity.iter().any(|g| !g.parts.is_empty()) {
         return list(deck, "gravity", &model.job.gravity);
     }
     for (axis, keyword) in ["LOAD_BODY_X", "LOAD_BODY_Y", "LOAD_BODY_Z"].into_iter().enumerate() {
-        for gravity in model.job.gravity.iter().filter(|g| g.acceleration[axis] != 0.0) {
+        let is_along = |g: &&GravityInput| g.nodes.is_none() && g.acceleration[axis] != 0.0;
+        for gravity in model.job.gravity.iter().filter(is_along) {
             let curve = curves.id(deck, gravity.curve.as_deref());
             deck.keyword(keyword);
             deck.card(&[Id(curve), Number(-gravity.acceleration[axis])]);
         }
+    }
+    for gravity in &model.job.gravity {
+        let Some(nodes) = &gravity.nodes else { continue };
+        let curve = curves.id(deck, gravity.curve.as_deref());
+        deck.keyword("LOAD_BODY_GENERALIZED_SET_NODE");
+        deck.card(&[set(nodes), Blank, Id(curve)]);
+        deck.card(&gravity.acceleration.map(|a| Number(if a == 0.0 { 0.0 } else { -a })));
     }
 }
 

@@ -25,6 +25,19 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(&[RBID, SCALES, MWD, SPSF, no_effect("lciddr", "there is no dynamic relaxation")])
     .options(&["ID"]),
     Keyword::new(
+        "AIRBAG_LOAD_CURVE",
+        &[(TITLE, Count(id)), (HEAD, Once), ("stime:r lcid:i ro:r pe:r p0:r t:r t0:r", Once)],
+        "`[[pressure]]` on the surface of the bag, the curve lcid over time, outwards",
+    )
+    .unused(&[
+        RBID,
+        SCALES,
+        MWD,
+        SPSF,
+        no_effect("ro pe p0 t t0", "they are for a bag without a curve"),
+    ])
+    .options(&["ID"]),
+    Keyword::new(
         "AIRBAG_SIMPLE_AIRBAG_MODEL",
         &[
             (TITLE, Count(id)),

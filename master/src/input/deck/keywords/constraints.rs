@@ -17,6 +17,8 @@ const SPOT_UNUSED: &[UnusedFields] = &[
     ignored("filter window", "the forces of welds are not filtered"),
 ];
 
+const LINEAR_UNUSED: &[UnusedFields] = &[no_effect("lcid", "equations have no numbers")];
+
 pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "CONSTRAINED_NODAL_RIGID_BODY",
@@ -145,6 +147,34 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(SPOT_UNUSED)
     .options(&["ID"])
+    .repeats(),
+    Keyword::new(
+        "CONSTRAINED_LINEAR_GLOBAL",
+        &[("lcid:i", Once), ("nid:i! dof:i! coef:r", Rest)],
+        "an equation of one term is `[[fix]]`. Equations of two nodes with coefficients 1 and -1 \
+         in x, y and z are a `[[tie]]` of one to the other, with `rotations` if those are equal \
+         too. All others are refused",
+    )
+    .unused(LINEAR_UNUSED),
+    Keyword::new(
+        "CONSTRAINED_LINEAR_LOCAL",
+        &[("lcid:i", Once), ("nid:i! dof:i! cid:i coef:r", Rest)],
+        "the same in the axes of a system",
+    )
+    .unused(LINEAR_UNUSED),
+    Keyword::new(
+        "CONSTRAINED_TIED_NODES_FAILURE",
+        &[("nsid:i! eppf:r etype:i", Once)],
+        "`[[tie]]` of the coincident nodes of the set to one of them; with etype 0, for shells, \
+         with `rotations`. eppf has to be 0 or above 1e19 (no failure)",
+    )
+    .repeats(),
+    Keyword::new(
+        "CONSTRAINED_SHELL_TO_SOLID",
+        &[("nid:i! nsid:i!", Once)],
+        "`[[rigid]]` body of the node of the shell and of the nodes of the solids along its fibre, \
+         which keeps its length; bodies with common nodes become one",
+    )
     .repeats(),
     Keyword::new(
         "CONSTRAINED_BEAM_IN_SOLID",

@@ -261,6 +261,20 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .aliases(&["TERMINATION_BODY", "TERMINATION_CONTACT", "TERMINATION_CURVE"])
     .effect(Harmless),
+    Keyword::new(
+        "DAMPING_FREQUENCY_RANGE",
+        ANY,
+        "the model has no damping of a range of frequencies: `time.damping` and `[[damping]]` damp \
+         low ones, viscous hourglass control and bulk viscosity the highest",
+    )
+    .options(&["DEFORM"])
+    .effect(Harmless),
+    harmless(
+        "DAMPING_RELATIVE",
+        "the model has no damping relative to a rigid body: `[[damping]]` of parts is relative to \
+         the space",
+    ),
+    harmless("CONTROL_REQUIRE_REVISION", "not used: it names a revision of another program"),
     harmless("CONTROL_ACCURACY", "not used: results do not depend on any order"),
     harmless("CONTROL_CPU", "not used"),
     harmless("CONTROL_SOLID", "not used"),

@@ -1,9 +1,7 @@
 //! Quantities recorded over time.
 
 use super::id;
-use crate::input::deck::table::{
-    Effect::Harmless, Keyword, Times, Times::*, UnusedFields, ignored, no_effect,
-};
+use crate::input::deck::table::{Keyword, Times, Times::*, UnusedFields, ignored, no_effect};
 
 const CROSS_SECTION: (&str, Times) = ("csid:i title:a70", Count(id));
 const LIST: &[(&str, Times)] = &[("id:i*8", Rest)];
@@ -21,7 +19,7 @@ const fn elements(name: &'static str, aliases: &'static [&'static str]) -> Keywo
     Keyword::new(name, ELEMENTS, "elements for DATABASE_CROSS_SECTION_SET")
         .aliases(aliases)
         .unused(ATTRIBUTES)
-        .options(&["TITLE"])
+        .options(&["TITLE", "COLLECT"])
 }
 
 const fn ranges(name: &'static str, aliases: &'static [&'static str]) -> Keyword {
@@ -29,6 +27,21 @@ const fn ranges(name: &'static str, aliases: &'static [&'static str]) -> Keyword
         .aliases(aliases)
         .unused(ATTRIBUTES)
         .options(&["TITLE"])
+}
+
+const fn general(name: &'static str) -> Keyword {
+    Keyword::new(
+        name,
+        &[
+            ("heading:l", Count(super::title)),
+            ("sid:i! da1:r da2:r da3:r da4:r", Once),
+            ("option:a! e:i*7", Rest),
+        ],
+        "the same by ALL, ELEM, PART and BOX (elements with all nodes inside); the prefix D \
+         removes elements",
+    )
+    .unused(ATTRIBUTES)
+    .options(&["TITLE"])
 }
 
 const fn adding(name: &'static str) -> Keyword {
@@ -93,12 +106,8 @@ pub const KEYWORDS: &[Keyword] = &[
     elements("SET_BEAM", &["SET_BEAM_LIST"]),
     ranges("SET_BEAM_GENERATE", &["SET_BEAM_LIST_GENERATE"]),
     adding("SET_BEAM_ADD"),
-    Keyword::new(
-        "SET_SHELL_GENERAL",
-        &[("card:l", Rest)],
-        "not read: list the elements, or give ranges of ids",
-    )
-    .aliases(&["SET_SOLID_GENERAL", "SET_DISCRETE_GENERAL", "SET_BEAM_GENERAL"])
-    .options(&["TITLE", "LIST", "GENERATE", "GENERAL"])
-    .effect(Harmless),
+    general("SET_SHELL_GENERAL"),
+    general("SET_SOLID_GENERAL"),
+    general("SET_DISCRETE_GENERAL"),
+    general("SET_BEAM_GENERAL"),
 ];

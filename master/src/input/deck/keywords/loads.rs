@@ -3,6 +3,7 @@
 use super::id;
 use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
+    Effect::Harmless,
     Keyword,
     Times::{self, *},
     UnusedFields, ignored, no_effect, refused,
@@ -154,15 +155,18 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "LOAD_BODY_X",
         GRAVITY,
-        "`[[gravity]]` along -x: the load accelerates the frame of reference",
+        "`[[gravity]]` along -x, in the axes of cid at the start: the load accelerates the frame \
+         of reference",
     )
     .unused(GRAVITY_UNUSED),
     Keyword::new("LOAD_BODY_Y", GRAVITY, "the same along -y").unused(GRAVITY_UNUSED),
     Keyword::new("LOAD_BODY_Z", GRAVITY, "the same along -z").unused(GRAVITY_UNUSED),
+    Keyword::new("LOAD_BODY_VECTOR", GRAVITY_VECTOR, "the same along a vector, times its length")
+        .unused(GRAVITY_UNUSED),
     Keyword::new(
         "LOAD_BODY_PARTS",
         &[("psid:i!", Once)],
-        "`parts` of the gravity of all LOAD_BODY_X, _Y and _Z",
+        "`parts` of the gravity of all LOAD_BODY_X, _Y, _Z and _VECTOR",
     ),
     Keyword::new("LOAD_GRAVITY_PART", GRAVITY_PART, "`[[gravity]]` of one of `parts` along -dof")
         .unused(GRAVITY_PART_UNUSED),
@@ -171,8 +175,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "LOAD_BODY_GENERALIZED",
         &[("n1:i! n2:i lcid:i! drlcid:i xc:r yc:r zc:r", Once), ACCELERATION],
-        "`[[gravity]]` along -ax, -ay and -az, in the axes of cid at the start, if the nodes n1 to \
-         n2 are those of whole parts",
+        "`[[gravity]]` along -ax, -ay and -az, in the axes of cid at the start, of all masses of \
+         the nodes n1 to n2, or of the parts whose nodes they are",
     )
     .unused(ACCELERATION_UNUSED)
     .repeats(),
@@ -198,6 +202,53 @@ pub const KEYWORDS: &[Keyword] = &[
          `preload_bending`. A set has all beams of its parts; trusses and discrete beams (elform 3 \
          and 6) have no preload",
     ),
+    Keyword::new(
+        "INITIAL_STRESS_SHELL",
+        &[
+            ("eid:i! nplane:i=1 nthick:i=1 nhisv:i ntensr:i large:i nthint:i nthhsv:i", Rest),
+            ("t:r sigxx:r sigyy:r sigzz:r sigxy:r sigyz:r sigzx:r eps:r", Rest),
+            ("t:r16 sigxx:r16 sigyy:r16 sigzz:r16 sigxy:r16", Rest),
+            ("sigyz:r16 sigzx:r16 eps:r16", Rest),
+            ("hisv:r*8", Rest),
+            ("hisv:r16*5", Rest),
+        ],
+        "`mesh.stresses` of shells, as in `dynain` files: stress in global axes and plastic \
+         strain. Lines 2 and 5 repeat for each point, with large 1 lines 3, 4 and 6. Points \
+         through the thickness may be others than those of the section: values are linear between \
+         them. With SET eid is a set of shells",
+    )
+    .unused(SHELL_STRESS_UNUSED)
+    .options(&["SET"]),
+    Keyword::new(
+        "INITIAL_STRESS_SOLID",
+        &[
+            ("eid:i! nint:i=1 nhisv:i large:i iveflg:i ialegp:i nthint:i nthhsv:i", Rest),
+            ("sigxx:r sigyy:r sigzz:r sigxy:r sigyz:r sigzx:r eps:r", Rest),
+            ("sigxx:r16 sigyy:r16 sigzz:r16 sigxy:r16 sigyz:r16", Rest),
+            ("sigzx:r16 eps:r16 hisv:r16*3", Rest),
+            ("hisv:r*8", Rest),
+            ("hisv:r16*5", Rest),
+        ],
+        "the same of solids: the mean of the points",
+    )
+    .unused(SOLID_STRESS_UNUSED)
+    .options(&["SET"]),
+    Keyword::new(
+        "INITIAL_STRAIN_SHELL",
+        &[("text:l", Rest)],
+        "strains at the start are for the output of other programs: stresses and plastic strains \
+         are those of *INITIAL_STRESS_SHELL",
+    )
+    .options(&["SET"])
+    .effect(Harmless),
+    Keyword::new(
+        "INITIAL_STRAIN_SOLID",
+        &[("text:l", Rest)],
+        "strains at the start are for the output of other programs: stresses and plastic strains \
+         are those of *INITIAL_STRESS_SOLID",
+    )
+    .options(&["SET"])
+    .effect(Harmless),
     Keyword::new(
         "LOAD_NODE_SET",
         &[("nsid:i! dof:i! lcid:i! sf:r=1 cid:i m1:i m2:i m3:i", Rest)],
@@ -284,10 +335,24 @@ pub const KEYWORDS: &[Keyword] = &[
     ),
 ];
 
+const OF_HISTORY: UnusedFields =
+    ignored("nhisv hisv", "history of the materials is 0 at the start, except for plastic strain");
+const SHELL_STRESS_UNUSED: &[UnusedFields] = &[
+    OF_HISTORY,
+    refused("ntensr", "tensors of the history"),
+    refused("nthint nthhsv", "thermal data"),
+];
+const SOLID_STRESS_UNUSED: &[UnusedFields] = &[
+    OF_HISTORY,
+    refused("iveflg", "volume and energy at the start"),
+    refused("nthint nthhsv", "thermal data"),
+    ignored("ialegp", "it is for fluids"),
+];
 const OF_FLUIDS: &[UnusedFields] = &[refused("alepid sfnrb", "segments of fluids")];
 
 const GRAVITY: &[(&str, Times)] = &[("lcid:i! sf:r=1 lciddr:i xc:r yc:r zc:r cid:i", Once)];
 
+const GRAVITY_VECTOR: &[(&str, Times)] = &[GRAVITY[0], ("v1:r v2:r v3:r", Once)];
 const GRAVITY_PART: &[(&str, Times)] = &[("pid:i! dof:i! lc:i accel:r lcdr:i stga:i stgr:i", Rest)];
 const GRAVITY_PART_SET: &[(&str, Times)] =
     &[("psid:i! dof:i! lc:i accel:r lcdr:i stga:i stgr:i", Rest)];

@@ -194,12 +194,14 @@ mod tests {
     /// it. Mesh data and parameters are read by position.
     #[test]
     fn every_field_has_a_fate() {
-        const BY_POSITION: [&str; 8] = [
+        const BY_POSITION: [&str; 10] = [
             "CASE",
             "NODE",
             "ELEMENT_SHELL",
             "ELEMENT_SOLID",
             "ELEMENT_TSHELL",
+            "INITIAL_STRESS_SHELL",
+            "INITIAL_STRESS_SOLID",
             "PARAMETER",
             "PARAMETER_EXPRESSION",
             "PARAMETER_DUPLICATION",

@@ -12,6 +12,8 @@ const LIST: &[(&str, crate::input::deck::table::Times)] = &[
 
 const ATTRIBUTES: &[UnusedFields] =
     &[no_effect("da1 da2 da3 da4 solver its a", "no keyword here refers to attributes of a set")];
+/// Options of sets: with COLLECT, cards with the same id are one set.
+const COLLECTED: &[&str] = &["TITLE", "COLLECT"];
 /// Attributes of sets of parts.
 const OF_PARTS: &[UnusedFields] = &[
     no_effect("da1 da2 da3 da4", "only CONTACT_INTERIOR refers to attributes of a set"),
@@ -53,13 +55,18 @@ pub const KEYWORDS: &[Keyword] = &[
          CID=n on its line. Without CASE each subcase is a case",
     ),
     Keyword::new("CASE_END", &[], "the end of CASE_BEGIN_n"),
-    Keyword::new("SET_NODE_LIST", LIST, "node set `set-SID`, and the same set under its title")
-        .aliases(&["SET_NODE"])
-        .unused(ATTRIBUTES)
-        .options(&["TITLE"]),
+    Keyword::new(
+        "SET_NODE_LIST",
+        LIST,
+        "node set `set-SID`, and the same set under its title; with COLLECT, cards with the same \
+         id are one set",
+    )
+    .aliases(&["SET_NODE"])
+    .unused(ATTRIBUTES)
+    .options(COLLECTED),
     Keyword::new("SET_NODE_LIST_GENERATE", LIST, "the same by ranges: first and last id of each")
         .unused(ATTRIBUTES)
-        .options(&["TITLE"]),
+        .options(COLLECTED),
     Keyword::new(
         "SET_NODE_COLUMN",
         &[
@@ -72,6 +79,9 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(ATTRIBUTES)
     .options(&["TITLE"]),
     Keyword::new("SET_NODE_ADD", LIST, "the same from other node sets")
+        .unused(ATTRIBUTES)
+        .options(&["TITLE"]),
+    Keyword::new("SET_NODE_INTERSECT", LIST, "the nodes that all of these sets have")
         .unused(ATTRIBUTES)
         .options(&["TITLE"]),
     Keyword::new(
@@ -99,10 +109,10 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new("SET_PART_LIST", LIST, "a set of parts")
         .aliases(&["SET_PART"])
         .unused(OF_PARTS)
-        .options(&["TITLE"]),
+        .options(COLLECTED),
     Keyword::new("SET_PART_LIST_GENERATE", LIST, "the same by ranges")
         .unused(OF_PARTS)
-        .options(&["TITLE"]),
+        .options(COLLECTED),
     Keyword::new("SET_PART_ADD", LIST, "the same from other sets of parts")
         .unused(OF_PARTS)
         .options(&["TITLE"]),

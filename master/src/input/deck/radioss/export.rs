@@ -375,6 +375,10 @@ impl StarterWriter<'_> {
 
     /// Writes tables of the job without a card.
     fn left_over(&mut self) {
+        let stressed = self.model.mesh.initial.chunk_by(|a, b| a.element == b.element).count();
+        if stressed > 0 {
+            self.lose(format!("stresses at the start of {stressed} elements"));
+        }
         let job = &self.model.job;
         let deck = &mut self.deck;
         differing(deck, "time", &job.time, &Time::default(), &["safety", "dt_max"]);

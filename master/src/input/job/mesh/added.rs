@@ -7,6 +7,7 @@ use crate::input::job::validate::JobProblems;
 use crate::input::job::walls::unit;
 use crate::input::mesh_file::ImportRow;
 use crumple_proto::ids::{ElemId, NodeId};
+use crumple_proto::initial::InitialPoint;
 use crumple_proto::job::{AddedMeshInput, Job};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode};
 use crumple_proto::problem::Problem;
@@ -133,6 +134,14 @@ fn placement(added: &AddedMeshInput) -> Option<Affine> {
     Some(map.then(&Affine::translation(added.shift)))
 }
 
+/// Returns a stress with the axes of a mesh that is turned by a map, without the factor on its
+/// lengths.
+fn turned(map: &Affine, stress: [f64; 6], scale: f64) -> [f64; 6] {
+    let [xx, yy, zz, xy, yz, zx] = stress;
+    let tensor = map.tensor([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]);
+    [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].map(|(i, j)| tensor[i][j] / (scale * scale))
+}
+
 /// Returns the next multiple of `round` above a number; `None` if it is too large.
 fn next_multiple(above: u64, round: u64) -> Option<u64> {
     (above / round).checked_add(1)?.checked_mul(round)
@@ -176,6 +185,11 @@ impl PlacedMesh {
             sets: names.values().cloned().collect(),
         });
         let node = |id: NodeId| NodeId(id.0 + id_offset);
+        self.mesh.initial.extend(mesh.initial.iter().map(|point| InitialPoint {
+            element: ElemId(point.element.0 + id_offset),
+            stress: turned(&map, point.stress, input.scale),
+            ..*point
+        }));
         let of_job = |id: u32| id + part_offset;
         let ids: BTreeSet<u32> = mesh.elements.iter().map(|e| e.part).collect();
         let nodes = mesh.nodes.iter();

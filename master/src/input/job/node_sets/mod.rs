@@ -81,6 +81,7 @@ pub const SET_KEYS: &[SetKey] = &[
     row("mass", "nodes", |job| names(&job.mass, |m| Some(&m.nodes))),
     row("fix", "nodes", |job| names(&job.fix, |f| Some(&f.nodes))),
     row("initial_velocity", "nodes", |job| names(&job.initial_velocity, |v| v.nodes.as_ref())),
+    row("gravity", "nodes", |job| names(&job.gravity, |g| g.nodes.as_ref())),
     row("load", "nodes", |job| names(&job.load, |l| Some(&l.nodes))),
     row("pressure", "nodes", |job| names(&job.pressure, |p| p.nodes.as_ref())),
     row("non_reflecting", "nodes", |job| names(&job.non_reflecting, |b| b.nodes.as_ref())),

@@ -179,7 +179,8 @@ pub(super) fn strength(spec: &TieInput, corners: [NodeId; 4]) -> Option<TieStren
     })
 }
 
-/// Reports ties that can fail between elements of parts with a gravity or a damping of their own.
+/// Reports ties that can fail between elements of parts, or at nodes, with a gravity or a damping
+/// of their own.
 /// Its force on the mass of the slaves is not known to their ties, and after a failure slaves and
 /// masters would keep the shares that they had together.
 pub(super) fn refuse_loads_of_parts(
@@ -199,6 +200,20 @@ pub(super) fn refuse_loads_of_parts(
         faces.contains(&e.id) || e.corners().iter().any(|node| slaves.contains(node))
     };
     let parts: HashSet<u32> = mesh.elements.iter().filter(meets).map(|e| e.part).collect();
+    let sets = job.gravity.iter().enumerate().filter_map(|(i, g)| Some((i, g.nodes.as_ref()?)));
+    let tied: HashSet<NodeId> = mesh.elements.iter().filter(meets).flat_map(|e| e.nodes).collect();
+    for (entry, name) in sets {
+        let own = mesh.node_sets.get(name).into_iter().flatten();
+        if let Some(node) = own.into_iter().find(|node| tied.contains(node)) {
+            let message = format!(
+                "ties that can fail join elements of node {node}, which has a gravity of its own: \
+                 its force on tied nodes is not known to their ties, nor divided again after a \
+                 failure"
+            );
+            let help = "let the gravity act on all, without `nodes`; or remove `failure`";
+            findings.add(Problem::error(format!("gravity.{entry}.nodes"), message, help));
+        }
+    }
     let gravity = job.gravity.iter().map(|g| &g.parts).enumerate();
     let damping = job.damping.iter().map(|d| &d.parts).enumerate();
     let all =

@@ -17,6 +17,7 @@
 //! plastic hinge within 2 %. There is no point at the outer fibres themselves.
 
 mod flow;
+mod initial;
 mod rule;
 mod step;
 #[cfg(test)]

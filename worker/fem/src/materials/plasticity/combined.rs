@@ -343,6 +343,9 @@ impl PlaneStress for CombinedPlasticity {
         // With back stress the static yield stress is no bound of the stress.
         (self.kinematic == 0.0).then_some(&self.base)
     }
+    fn adds_stress(&self) -> bool {
+        true
+    }
     fn elastic(&self) -> Elastic {
         self.base.elastic
     }
@@ -364,6 +367,9 @@ impl Solid for CombinedPlasticity {
     }
     fn tensors(&self) -> usize {
         self.kinds()[0]
+    }
+    fn adds_stress(&self) -> bool {
+        true
     }
     fn elastic(&self) -> Elastic {
         self.base.elastic

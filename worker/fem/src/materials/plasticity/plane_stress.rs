@@ -289,6 +289,9 @@ impl PlaneStress for Plasticity {
         self.rate.counts().then_some(self)
     }
 
+    fn adds_stress(&self) -> bool {
+        true
+    }
     fn elastic(&self) -> Elastic {
         self.elastic
     }

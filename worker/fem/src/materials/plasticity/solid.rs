@@ -143,6 +143,9 @@ impl Solid for Plasticity {
     fn history(&self) -> &'static [&'static str] {
         self.names()
     }
+    fn adds_stress(&self) -> bool {
+        true
+    }
     fn elastic(&self) -> Elastic {
         self.elastic
     }

@@ -2,7 +2,7 @@
 
 use super::StarterConverter;
 use super::motion::or_one;
-use crate::input::deck::convert::accelerations::GravityOf;
+use crate::input::deck::convert::accelerations::{GravityOf, MassesOf};
 use crate::input::deck::convert::segments::DeckSegment;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::radioss::keywords::ENGINE_DAMP;
@@ -51,22 +51,26 @@ impl StarterConverter {
                 self.deck.trouble.error(line.place("dir"), message, "name an axis");
                 continue;
             }
-            let Some(of) = self.gravity_of(&record) else { continue };
+            let of = match record.integer("grnod") {
+                0 => GravityOf::All,
+                group => match self.deck.node_set(group, record.place("grnod")) {
+                    Some(name) => {
+                        let nodes = self.deck.node_sets[&group].0.clone();
+                        self.deck.gravity_of(&nodes, name)
+                    }
+                    None => continue,
+                },
+            };
             let mut value = [0.0; 3];
             value[dof] = amount;
-            let mut table = JobTable::new(record.head);
-            if let GravityOf::Parts(parts, shared) = of {
-                let asked = format!("on the nodes of parts {parts:?}");
-                self.deck.map(record.name(), asked, "on the masses of their elements");
-                table.put("parts", record.place("grnod"), parts);
-                self.deck.warn_of_shared(&record, "grnod", ("gravity", shared));
+            if !matches!(of, GravityOf::All) {
+                let asked = format!("on the nodes of group {}", record.integer("grnod"));
+                self.deck.map(record.name(), asked, format!("acceleration {value:?} {of}"));
             }
-            let table = table.with("acceleration", line.place("fscale"), value).with(
-                "curve",
-                line.place("fct"),
-                curve,
-            );
-            self.deck.add("gravity", table);
+            let table = JobTable::new(record.head)
+                .with("acceleration", line.place("fscale"), value)
+                .with("curve", line.place("fct"), curve);
+            self.deck.add_gravity(table, of, &record, "grnod");
         }
     }
 
@@ -96,12 +100,12 @@ impl StarterConverter {
                 self.deck.unsupported_value(&starter, field, why);
             }
             let (place, at) = (values.place("alpha"), starter.place("grnod"));
-            match self.parts_of(&starter, "damping acts on the masses of whole parts") {
-                Some(GravityOf::All) => {
+            match self.parts_of(&starter) {
+                Some(MassesOf::All) => {
                     of_all += alpha;
                     self.deck.tree.set_in("time", "damping", place, of_all);
                 }
-                Some(GravityOf::Parts(parts, shared)) => {
+                Some(MassesOf::Parts(parts, shared)) => {
                     self.deck.warn_of_shared(&starter, "grnod", ("damping", shared));
                     let table = JobTable::new(starter.head)
                         .with("coefficient", place, alpha)
@@ -143,21 +147,17 @@ impl StarterConverter {
         count
     }
 
-    /// Returns the parts on which gravity acts; `None` after a report.
-    fn gravity_of(&mut self, record: &CardRecord) -> Option<GravityOf> {
-        self.parts_of(record, "gravity on some nodes of a part; it acts on whole parts")
-    }
-
     /// Returns the parts whose nodes the group of a record has; `None` after a report.
-    fn parts_of(&mut self, record: &CardRecord, why: &str) -> Option<GravityOf> {
+    fn parts_of(&mut self, record: &CardRecord) -> Option<MassesOf> {
         let (grnod, place) = (record.integer("grnod"), record.place("grnod"));
         if grnod == 0 {
-            return Some(GravityOf::All);
+            return Some(MassesOf::All);
         }
         self.deck.node_set(grnod, place)?;
         let group = self.deck.node_sets[&grnod].0.clone();
         let of = self.deck.parts_of_group(&group);
         if of.is_none() {
+            let why = "damping acts on the masses of whole parts";
             self.deck.unsupported_card(record, "grnod", why);
         }
         of

@@ -212,10 +212,11 @@ impl StarterWriter<'_> {
         }
         for gravity in &model.job.gravity {
             let function = self.function(gravity.curve.as_deref());
+            let group = gravity.nodes.as_deref().map_or(0, |nodes| self.group(nodes));
             for axis in (0..3).filter(|&axis| gravity.acceleration[axis] != 0.0) {
                 id += 1;
                 self.titled("GRAV", id, &format!("gravity {id}"));
-                let head = [Whole(function), Word(DIRECTIONS[axis]), Gap, Gap, Whole(0), Gap];
+                let head = [Whole(function), Word(DIRECTIONS[axis]), Gap, Gap, Whole(group), Gap];
                 self.card(&[&head[..], &[Real(1.0), Real(gravity.acceleration[axis])]].concat());
             }
         }

@@ -68,7 +68,7 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "/GRAV",
         FORCE,
-        "`[[gravity]]` on the whole model, or of `parts` if the group has their nodes",
+        "`[[gravity]]` on the whole model, of `parts` if the group has their nodes, or of `nodes`",
     )
     .unused(&[SENSOR, KIND]),
     Keyword::new(
