@@ -24,6 +24,7 @@ pub(in crate::input::deck) mod inertia;
 pub(in crate::input::deck) mod initial;
 mod interior;
 mod joints;
+mod karagozian_case;
 mod left_out;
 mod links;
 mod loads;
