@@ -20,6 +20,7 @@ mod composites;
 mod concrete;
 mod contacts;
 mod damage;
+mod damaged_concrete;
 mod damping;
 mod deletion_step;
 mod discrete_beams;

@@ -1,7 +1,8 @@
 //! Rubber and foam by a test: the curve of the specimen, what is refused.
 
 use crate::base::{assert_refused, model_of};
-use crumple_proto::partition::Param;
+use crumple::input::check::describe;
+use crumple_proto::partition::{Material, Param};
 
 /// A cube of 10 with the cards of a rubber, and the force over the change of length of a specimen
 /// of 20 by 5 by 2.
@@ -43,17 +44,57 @@ fn what_is_not_supported_is_refused() {
     let of = |first: &str, second: &str, third: &str| {
         cube(&format!("*MAT_SIMPLIFIED_RUBBER/FOAM\n1,1e-9,{first}\n20,5,2,{second}\n{third}\n"))
     };
-    let table =
-        "*DEFINE_TABLE\n9\n0.0\n1.0\n*DEFINE_CURVE\n10\n0,0\n1,1\n*DEFINE_CURVE\n11\n0,0\n1,2\n";
     for (text, words) in [
         (of("500.0,0.1,100.0,0.1", "7", "0"), "friction"),
         (of("500.0", "7", "7"), "lcunld"),
         (of("500.0", "7", "0,0.5"), "unloading follows the curve; use 1"),
         (of("500.0", "7", "0,0,0,0,1"), "no relaxation"),
         (of("500.0", "7,0,0,0,20.0", "0"), "viscous stress"),
-        (of("500.0", "9", &format!("0\n{table}")), "curves by the strain rate"),
+        (of("500.0", "9,2", &format!("0\n{TABLE}")), "use -1, 0 or 1"),
+        (of("500.0", "9,-1,2", &format!("0\n{TABLE}")), "use 0 or 1"),
+        (
+            of("500.0", "9", &format!("0\n{}", TABLE.replace("2.0,5.4", "2.0,2.6"))),
+            "lies below that of the rate before it",
+        ),
         (of("0.01", "7", "0"), "2/3 of the shear modulus"),
     ] {
         assert_refused(&text, &[words]);
+    }
+}
+
+/// Tests at two rates of the specimen: force over the change of length.
+const TABLE: &str = "*DEFINE_TABLE\n9\n0.1\n1.0\n*DEFINE_CURVE\n10\n-2.0,-3.3\n0.0,0.0\n2.0,2.7\n\
+                     *DEFINE_CURVE\n11\n-2.0,-6.6\n0.0,0.0\n2.0,5.4\n";
+
+/// A table gives curves by the strain rate; tension, rtype and avgopt say which rate acts where.
+#[test]
+fn a_table_gives_curves_by_rate() {
+    let of = |options: &str| {
+        let text = format!("*MAT_181\n1,1e-9,500.0,0.1\n20,5,2,9,{options}\n0\n{TABLE}");
+        model_of(&cube(&text))
+    };
+    let last = |material: &Material| {
+        let Some(Param::Table(rows)) = material.parameters.get("curve_by_rate") else { panic!() };
+        assert_eq!(
+            rows.iter().map(|row| row[0]).collect::<Vec<_>>(),
+            [0.1, 0.1, 0.1, 1.0, 1.0, 1.0]
+        );
+        [rows[3][2], rows[5][2]]
+    };
+    for (options, stresses, keys, words) in [
+        ("", [-0.66, 0.54], 2, ""),
+        ("-1,1,-0.5", [-0.66, 0.54], 4, ""),
+        ("1,0,1", [-0.66, 0.54], 2, "unloading follows the slowest curve"),
+        ("0", [-0.66, 0.27], 2, ""),
+    ] {
+        let model = of(options);
+        let material = &model.settings.materials[0];
+        let near = last(material).iter().zip(stresses).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(near && material.parameters.len() == keys, "{options}: {:?}", material.parameters);
+        assert!(describe(&model).contains(words), "{options}: {}", describe(&model));
+        if keys == 4 {
+            assert_eq!(material.parameters["nominal_rate"], Param::Flag(true));
+            assert_eq!(material.parameters["rate_averaging_time"], Param::Number(0.5));
+        }
     }
 }

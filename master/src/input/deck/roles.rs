@@ -91,7 +91,9 @@ fn dimension(letter: &str) -> Option<UnitPowers> {
         "l2" => [0, 2, 0],
         "l3" => [0, 3, 0],
         "l4" => [0, 4, 0],
-        // Inverse velocity, inverse cube of a stress.
+        // Inverse length, stress, velocity, cube of a stress.
+        "1/l" => [0, -1, 0],
+        "1/p" => [-1, 1, 2],
         "1/v" => [0, -1, 1],
         "1/p3" => [-3, 3, 6],
         _ => return None,
@@ -264,6 +266,16 @@ const ROLES: &[(&str, &str)] = &[
     ),
     ("EOS_GRUNEISEN", "c=v s1=1 s2=1 s3=1 gamao=1 a=1 e0=p v0=1 lcid=#f:t:1"),
     ("EOS_MURNAGHAN", "gamma=1 k0=p v0=1"),
+    (
+        "MAT_CONCRETE_DAMAGE_REL3",
+        "ro=d pr=1 ft=p a0=p a1=1 a2=1/p b1=1 omega=1 a1f=1 slambda=1 nout=1 edrop=1 rsize=1/l \
+         ucf=1/p lcrate=#f:w:1 locwidth=l npts=1 lambda=1 lambda9=1 b3=1 a0y=p a1y=1 eta=1 eta9=1 \
+         b2=1 a2f=1/p a2y=1/p",
+    ),
+    (
+        "EOS_TABULATED_COMPACTION",
+        "gama=1 e0=p v0=1 lcc=#f:1:p lct=#f:1:1 lck=#f:1:p ev=1 c=p t=1 k=p",
+    ),
     ("EOS_TABULATED", "gama=1 e0=p v0=1 lcc=#f:1:p lct=#f:1:1 ev=1 c=p t=1"),
     (
         "MAT_ELASTIC_PLASTIC_HYDRO",

@@ -156,7 +156,10 @@ fn a_loop_with_shear_gives_no_energy() {
     let curve: &[&[f64]] = &[&[0.0, 0.0], &[0.1, 2.0], &[0.5, 30.0]];
     let soft = foam(&[], "compression", curve);
     let rubbers = ["mooney_rivlin", "polynomial_rubber", "ogden", "blatz_ko", "tabulated_rubber"];
-    let laws = laws_of_solids().into_iter().filter(|law| rubbers.contains(&law.law.as_str()));
+    let keeps_energy = |law: &Material| {
+        rubbers.contains(&law.law.as_str()) && !law.parameters.contains_key("curve_by_rate")
+    };
+    let laws = laws_of_solids().into_iter().filter(keeps_energy);
     for law in laws.chain([soft]) {
         let [coarse, fine] = [50, 100].map(|steps| {
             let (nodes, cells) = block([1, 1, 1], [1.0; 3]);
@@ -322,6 +325,7 @@ fn laws_that_sum_up_need_double_precision() {
             "low_density_foam",
             "johnson_holmquist_ceramic",
             "johnson_holmquist_concrete",
+            "karagozian_case_concrete",
             "soil",
         ];
         let (nodes, cells) = block([1, 1, 1], [1.0; 3]);

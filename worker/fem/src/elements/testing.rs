@@ -102,6 +102,9 @@ pub fn laws_of_solids() -> Vec<Material> {
         let stretch = 0.5 + 0.05 * k as f64;
         [stretch - 1.0, if k == 10 { 0.0 } else { 40.0 * (stretch - stretch.powi(-2)) }]
     });
+    let tests = [(0.01, 1.0), (0.5, 1.4)]
+        .map(|(rate, factor)| test.map(|[strain, stress]| [rate, strain, factor * stress]))
+        .concat();
     let compacted = [
         ("youngs_modulus", 200.0),
         ("poisson", 0.3),
@@ -141,6 +144,16 @@ pub fn laws_of_solids() -> Vec<Material> {
         ("yield_constants", Param::List(vec![1.0, 0.5, 0.1])),
         ("pressure", table(&[[0.0, 0.0], [0.1, 2.0], [0.5, 30.0]])),
     ];
+    let three_surfaces = [
+        ("largest_surface", Param::List(vec![1.2, 0.45, 0.02])),
+        ("yield_surface", Param::List(vec![0.9, 0.6, 0.06])),
+        ("residual_surface", Param::List(vec![0.45, 0.03])),
+        ("damage_curve", table(&[[0.0, 0.0], [1e-3, 1.0], [0.02, 0.0]])),
+        ("damage_scaling", Param::List(vec![1.6, 1.35, 1.15])),
+        ("dilatancy", Param::List(vec![0.5, 1.0])),
+        ("rate_factors", table(&[[-1.0, 2.0], [0.0, 1.0], [1.0, 1.5]])),
+        ("compaction", table(&[[0.0, 0.0, 80.0], [0.01, 0.6, 90.0], [0.1, 6.0, 140.0]])),
+    ];
     let failure = [("tension_failure_strain", 2.0), ("shear_failure_strain", 3.0)];
     let honeycomb = [
         ("moduli", Param::List(vec![80.0, 30.0, 20.0, 25.0, 15.0, 10.0])),
@@ -161,6 +174,12 @@ pub fn laws_of_solids() -> Vec<Material> {
         of("blatz_ko", &[("shear_modulus", 40.0)], &[]),
         of("tabulated_rubber", &[("bulk_modulus", 80.0)], &[("curve", table(&test))]),
         of("tabulated_rubber", &[nu], &[("curve", table(&test))]),
+        of("tabulated_rubber", &[("bulk_modulus", 120.0)], &[("curve_by_rate", table(&tests))]),
+        of(
+            "tabulated_rubber",
+            &[nu, ("rate_averaging_time", 0.5)],
+            &[("curve_by_rate", table(&tests)), ("nominal_rate", Param::Flag(true))],
+        ),
         of("low_density_foam", &hysteresis, &[("compression", table(&curve))]),
         of("low_density_foam", &hysteresis[..1], &[("compression_by_rate", table(&by_rate))]),
         of(
@@ -179,6 +198,7 @@ pub fn laws_of_solids() -> Vec<Material> {
             &[("shear_modulus", 39.7), ("tensile_strength", 3.0), ("compressive_strength", 2.0)],
             &crushed,
         ),
+        of("karagozian_case_concrete", &[nu, ("tensile_strength", 0.4)], &three_surfaces),
         of(
             "soil",
             &[("shear_modulus", 40.0), ("bulk_modulus", 80.0), ("tension_cutoff", 2.0)],

@@ -435,6 +435,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     cscm::LAW,
     pressure_dependent::ceramic::LAW,
     pressure_dependent::concrete::LAW,
+    pressure_dependent::karagozian_case::LAW,
     pressure_dependent::soil::LAW,
     fabric::LAW,
     orthotropic::LAW,

@@ -1,6 +1,7 @@
 //! Converts `*EOS_...` to keys of the materials of solids.
 
 use super::DeckConverter;
+use super::karagozian_case::COMPACTION;
 use super::materials::DeckMaterial;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::{NodeContent, Place};
@@ -30,7 +31,8 @@ pub struct PartEquation {
 impl DeckConverter {
     /// Reads the cards of equations.
     pub(super) fn read_equations(&mut self) {
-        let names = CONSTANTS.map(|equation| equation.0).into_iter().chain([TABULATED, MURNAGHAN]);
+        let others = [TABULATED, MURNAGHAN, COMPACTION];
+        let names = CONSTANTS.map(|equation| equation.0).into_iter().chain(others);
         for keyword in names {
             for record in self.take_records(keyword) {
                 let (id, place) = (record.integer("eosid"), record.place("eosid"));
@@ -56,9 +58,10 @@ impl DeckConverter {
     /// Gives each material the equation of its parts.
     pub(super) fn equations_of_state(&mut self, materials: &mut HashMap<i64, DeckMaterial>) {
         let mut first: BTreeMap<i64, [i64; 2]> = BTreeMap::new();
-        for PartEquation { ids: [part, mid, eosid], place } in std::mem::take(&mut self.equations) {
+        for of_part in std::mem::take(&mut self.equations) {
+            let PartEquation { ids: [part, mid, eosid], place } = of_part;
             let Some(material) = materials.get_mut(&mid) else { continue };
-            if !material.takes_equation {
+            if !material.takes_equation && !material.compacts {
                 if eosid != 0 {
                     let why = "not used: the material has a pressure of its own; \
                                *MAT_JOHNSON_COOK, *MAT_ELASTIC_PLASTIC_HYDRO and *MAT_NULL take an \
@@ -83,7 +86,10 @@ impl DeckConverter {
                 let help = "give one of the parts a material of its own";
                 self.trouble.error(place, message, help);
             }
-            if eosid == 0 || other != part {
+            if material.compacts && other == part {
+                self.compaction_of_part(&of_part, material);
+            }
+            if eosid == 0 || other != part || material.compacts {
                 continue;
             }
             let Some(card) = self.equation_card(eosid, place) else { continue };
@@ -126,7 +132,11 @@ impl DeckConverter {
         if keyword == TABULATED {
             return Some(("eos_table", self.pressure_table(card)?.into()));
         }
-        let message = format!("part {part}: {} is for particles only", card.name());
+        let only = match keyword {
+            COMPACTION => "MAT_CONCRETE_DAMAGE_REL3",
+            _ => "particles",
+        };
+        let message = format!("part {part}: {} is for {only} only", card.name());
         let help = "give it an *EOS_GRUNEISEN, *EOS_LINEAR_POLYNOMIAL or *EOS_TABULATED";
         self.trouble.error(place, message, help);
         None

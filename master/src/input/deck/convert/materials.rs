@@ -41,6 +41,8 @@ pub struct DeckMaterial {
     pub youngs_modulus: f64,
     /// True if it has the pressure of an equation of state.
     pub takes_equation: bool,
+    /// True if its pressure is a table of compaction.
+    pub compacts: bool,
     /// True for a metal whose card has no bulk modulus.
     pub is_hydro: bool,
     /// Least pressure that it has with an equation of state, if any [force/length^2].
@@ -175,6 +177,7 @@ impl DeckConverter {
                     density,
                     youngs_modulus: e,
                     takes_equation: matches!(keyword, "MAT_JOHNSON_COOK" | "MAT_NULL" | HYDRO),
+                    compacts: keyword == pressure_dependent::THREE_SURFACES,
                     is_hydro,
                     least_pressure: self.least_pressure(keyword, &record),
                     place,

@@ -26,6 +26,7 @@ pub(in crate::input::deck) mod initial;
 mod initial_stress;
 mod interior;
 mod joints;
+mod karagozian_case;
 mod left_out;
 mod links;
 mod loads;

@@ -1,5 +1,5 @@
 //! Converts materials with strength by pressure (LS-DYNA Keyword User's Manual, vol. II, materials
-//! 5, 110, 111).
+//! 5, 110, 111); that of three surfaces is in [`karagozian_case`](super::karagozian_case).
 
 use super::DeckConverter;
 use super::materials::{pairs, rows};
@@ -7,8 +7,14 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 3] =
-    ["MAT_JOHNSON_HOLMQUIST_CERAMICS", "MAT_JOHNSON_HOLMQUIST_CONCRETE", "MAT_SOIL_AND_FOAM"];
+pub const KEYWORDS: [&str; 4] = [
+    "MAT_JOHNSON_HOLMQUIST_CERAMICS",
+    "MAT_JOHNSON_HOLMQUIST_CONCRETE",
+    "MAT_SOIL_AND_FOAM",
+    THREE_SURFACES,
+];
+/// The keyword whose pressure is that of an equation of state.
+pub(super) const THREE_SURFACES: &str = "MAT_CONCRETE_DAMAGE_REL3";
 
 /// Strength of the format that stands for no limit.
 const UNLIMITED: f64 = 1e19;
@@ -31,6 +37,10 @@ impl DeckConverter {
         record: &CardRecord,
         table: &mut JobTable,
     ) -> f64 {
+        if keyword == THREE_SURFACES {
+            let bulk = self.three_surfaces(record, table);
+            return 3.0 * bulk * (1.0 - 2.0 * record.real("pr"));
+        }
         let shear = record.real("g");
         table.put("shear_modulus", record.place("g"), shear);
         let bulk = match keyword {

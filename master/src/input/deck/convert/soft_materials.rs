@@ -1,7 +1,7 @@
 //! Converts materials of rubber, foam and honeycomb, and failure that is added to any material.
 
 use super::DeckConverter;
-use super::materials::DeckMaterial;
+use super::materials::{DeckMaterial, rows};
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use std::collections::HashMap;
@@ -214,11 +214,6 @@ impl DeckConverter {
             ("lcunld", record.integer("lcunld") != 0, "unloading follows the curve; use 0"),
             ("hu", hu != 0.0 && hu != 1.0, "unloading follows the curve; use 1"),
             ("visco", record.real("visco") != 0.0, "the rubber has no relaxation; use 0"),
-            (
-                "lctbid",
-                self.tables.contains_key(&curve),
-                "curves by the strain rate; give one of the curves",
-            ),
         ] {
             if given {
                 self.unsupported_value(record, field, why);
@@ -230,16 +225,73 @@ impl DeckConverter {
             return 1.0;
         }
         let place = record.place("lctbid");
+        let area = width * thickness;
+        let nominal = |[x, y]: [f64; 2]| [x / length, y / area];
         if self.tables.contains_key(&curve) {
-            return 1.0;
+            let Some(rows) = self.table_rows(curve, place) else { return 1.0 };
+            let tests = rows.iter().map(|row| {
+                let [strain, stress] = nominal([row[1], row[2]]);
+                [row[0], strain, stress]
+            });
+            return self.tests_by_rate(record, &tests.collect::<Vec<_>>(), table);
         }
         let Some(curve) = self.curve(curve, place) else { return 1.0 };
-        let points: Vec<Vec<f64>> =
-            curve.points.iter().map(|[x, y]| vec![x / length, y / (width * thickness)]).collect();
-        let slope = points.windows(2).find(|two| two[1][0] > 0.0);
-        let e = slope.map_or(1.0, |two| (two[1][1] - two[0][1]) / (two[1][0] - two[0][0]));
-        table.put("curve", place, points);
-        e
+        let points: Vec<[f64; 2]> = curve.points.iter().map(|&point| nominal(point)).collect();
+        table.put("curve", place, rows(&points));
+        first_slope(&points)
+    }
+
+    /// Converts tests at several rates, with rows [rate, strain, stress]. Returns Young's modulus
+    /// of the slowest one.
+    fn tests_by_rate(
+        &mut self,
+        record: &CardRecord,
+        tests: &[[f64; 3]],
+        table: &mut JobTable,
+    ) -> f64 {
+        let of = format!("material {}", record.integer("mid"));
+        let mut curves: Vec<(f64, Vec<[f64; 2]>)> = tests
+            .chunk_by(|a, b| a[0] == b[0])
+            .map(|rows| (rows[0][0], rows.iter().map(|row| [row[1], row[2]]).collect()))
+            .collect();
+        match record.real("tension") {
+            -1.0 => {}
+            0.0 => {
+                // In tension all curves are the slowest one.
+                let pulled: Vec<[f64; 2]> =
+                    curves[0].1.iter().copied().filter(|point| point[0] > 0.0).collect();
+                for (_, points) in &mut curves {
+                    points.retain(|point| point[0] <= 0.0);
+                    points.extend(&pulled);
+                }
+            }
+            1.0 => {
+                let used = "by the rate in loading only: unloading follows the slowest curve, so \
+                            that no cycle gives energy";
+                self.map(of.clone(), "tension 1", used);
+            }
+            _ => self.unsupported_value(record, "tension", "use -1, 0 or 1"),
+        }
+        match record.real("rtype") {
+            0.0 => {}
+            1.0 => table.put("nominal_rate", record.place("rtype"), true),
+            _ => self.unsupported_value(record, "rtype", "use 0 or 1"),
+        }
+        match record.real("avgopt") {
+            0.0 => {}
+            time if time < 0.0 => {
+                table.put("rate_averaging_time", record.place("avgopt"), -time);
+            }
+            option => {
+                self.map(of, format!("avgopt {option}"), "a running mean over 12 steps or more");
+            }
+        }
+        let all: Vec<Vec<f64>> = curves
+            .iter()
+            .flat_map(|(rate, points)| points.iter().map(move |p| vec![*rate, p[0], p[1]]))
+            .collect();
+        table.put("curve_by_rate", record.place("lctbid"), all);
+        first_slope(&curves[0].1)
     }
 
     fn crushable_foam(&mut self, record: &CardRecord, table: &mut JobTable) -> f64 {
@@ -361,4 +413,10 @@ fn viscoelastic(record: &CardRecord, table: &mut JobTable) -> f64 {
     number(record, table, "gi", "long_term_shear_modulus");
     number(record, table, "beta", "decay_rate");
     e
+}
+
+/// Returns the slope of a test from a strain of zero on [force/length^2]; 1 if it has none.
+fn first_slope(points: &[[f64; 2]]) -> f64 {
+    let slope = points.windows(2).find(|two| two[1][0] > 0.0).or(points.windows(2).last());
+    slope.map_or(1.0, |two| (two[1][1] - two[0][1]) / (two[1][0] - two[0][0]))
 }

@@ -194,6 +194,10 @@ pub fn write<'m>(
         if ["johnson_cook", FLUID].contains(&&*material.law) && of_solids(material) {
             equations.extend(equation(deck, &cards, &mut read).map(|id| (&*material.name, id)));
         }
+        if material.law == "karagozian_case_concrete" && of_solids(material) {
+            let id = pressure_dependent::compaction(deck, &cards, &mut read);
+            equations.insert(&*material.name, id);
+        }
         account(deck, &written, &read);
     }
     equations

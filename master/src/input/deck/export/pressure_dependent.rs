@@ -18,6 +18,7 @@ pub fn write(
         "johnson_holmquist_ceramic" => ceramic(deck, cards, read),
         "johnson_holmquist_concrete" => concrete(deck, cards, read),
         "soil" => soil(deck, cards, read),
+        "karagozian_case_concrete" => three_surfaces(deck, cards, read),
         _ => return false,
     }
     true
@@ -143,4 +144,63 @@ fn soil(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParamet
     deck.card(&[&first(cards)[..], &[bulk, a0, a1, a2, cutoff]].concat());
     let reversible = if cards.flag("reversible") { Number(1.0) } else { Blank };
     deck.card(&[reversible, Blank, curve]);
+}
+
+/// Points of the damage curve on the card.
+const DAMAGE_POINTS: usize = 13;
+
+fn three_surfaces(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {
+    let lists = ["largest_surface", "yield_surface", "residual_surface", "damage_scaling"];
+    cards.keep(read, &["poisson", "tensile_strength", "rate_factors"]);
+    cards.keep(read, &lists);
+    let [a0, a1, a2] = list(cards, "largest_surface");
+    let [a0y, a1y, a2y] = list(cards, "yield_surface");
+    let [a1f, a2f] = list(cards, "residual_surface");
+    let [b1, b2, b3] = list(cards, "damage_scaling");
+    let [mut omega, mut edrop] = list(cards, "dilatancy");
+    if cards.has("dilatancy") {
+        cards.keep(read, &["dilatancy"]);
+    } else {
+        [omega, edrop] = [Number(0.0); 2];
+        read.insert("dilatancy".into(), Param::List(vec![0.0; 2]));
+    }
+    // The card has a fixed number of points: the last one goes on.
+    let mut points: Vec<Vec<f64>> = cards.rows("damage_curve").to_vec();
+    points.truncate(DAMAGE_POINTS);
+    while let (true, Some(last)) = (points.len() < DAMAGE_POINTS, points.last().cloned()) {
+        points.push(vec![10.0 * last[0], last[1]]);
+    }
+    read.insert("damage_curve".into(), Param::Table(points.clone()));
+    let column = |c: usize| points.iter().map(|point| Number(point[c])).collect::<Vec<_>>();
+    let (lambda, eta) = (column(0), column(1));
+    let rates = cards.curve(deck, "rate_factors");
+    cards.head(deck, "MAT_CONCRETE_DAMAGE_REL3");
+    let ids = [Id(cards.mid), Number(cards.material.density)];
+    deck.card(&[&ids[..], &[cards.field("poisson")]].concat());
+    deck.card(&[cards.field("tensile_strength"), a0, a1, a2, b1, omega, a1f]);
+    let count = Number(DAMAGE_POINTS as f64);
+    deck.card(&[Blank, Blank, edrop, Blank, Blank, rates, Blank, count]);
+    deck.card(&lambda[..8]);
+    deck.card(&[&lambda[8..], &[b3, a0y, a1y]].concat());
+    deck.card(&eta[..8]);
+    deck.card(&[&eta[8..], &[b2, a2f, a2y]].concat());
+}
+
+/// Writes the equation of state of a material with a compaction and returns its id.
+pub fn compaction(
+    deck: &mut DeckWriter,
+    cards: &MaterialCards<'_>,
+    read: &mut CardParameters,
+) -> u64 {
+    let rows = cards.rows("compaction");
+    // A curve ascends in ln V.
+    let mut curve = |column: usize| {
+        let pair = |row: &Vec<f64>| [0.0 - row[0], row[column]];
+        Id(points(deck, &rows.iter().rev().map(pair).collect::<Vec<_>>()))
+    };
+    let [cold, moduli] = [curve(1), curve(2)];
+    deck.keyword("EOS_TABULATED_COMPACTION");
+    deck.card(&[Id(cards.mid), Blank, Blank, Blank, cold, Blank, moduli]);
+    cards.keep(read, &["compaction"]);
+    cards.mid
 }

@@ -141,13 +141,31 @@ fn rubber(deck: &mut DeckWriter, law: &str, cards: &MaterialCards<'_>, read: &mu
 }
 
 fn simplified_rubber(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {
-    cards.keep(read, &["curve", "bulk_modulus", "poisson"]);
-    let curve = cards.curve(deck, "curve");
+    cards.keep(read, &["curve", "curve_by_rate", "bulk_modulus", "poisson"]);
+    let by_rate = cards.has("curve_by_rate");
+    let curve = match by_rate {
+        true => cards.table(deck, "curve_by_rate"),
+        false => cards.curve(deck, "curve"),
+    };
+    let mut rates = [Blank; 3];
+    if by_rate {
+        // Rates act in loading, and unloading follows the slowest curve.
+        rates[0] = Number(-1.0);
+        if cards.flag("nominal_rate") {
+            cards.keep(read, &["nominal_rate"]);
+            rates[1] = Number(1.0);
+        }
+        let time = cards.number("rate_averaging_time");
+        if time > 0.0 {
+            cards.keep(read, &["rate_averaging_time"]);
+            rates[2] = Number(-time);
+        }
+    }
     cards.head(deck, "MAT_SIMPLIFIED_RUBBER/FOAM");
     deck.card(&[&first(cards)[..], &[cards.field("bulk_modulus")]].concat());
     // A specimen of unit length and area has the nominal strain and stress of the curve.
     let one = Number(1.0);
-    deck.card(&[one, one, one, curve, Blank, Blank, Blank, cards.field("poisson")]);
+    deck.card(&[&[one, one, one, curve][..], &rates, &[cards.field("poisson")]].concat());
 }
 
 fn low_density_foam(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {

@@ -219,21 +219,21 @@ pub const KEYWORDS: &[Keyword] = &[
         &[
             TITLE,
             ("mid:i! ro:r! km:r mu:r g:r sigf:r ref:r prten:r", Once),
-            ("sgl:r! sw:r! st:r! lctbid:i! tension:r rtype:r avgopt:r prbeta:r", Once),
+            ("sgl:r! sw:r! st:r! lctbid:i! tension:r=-1 rtype:r avgopt:r prbeta:r", Once),
             ("lcunld:i hu:r shape:r stol:r visco:r hisout:r", Maybe),
             ("gi:r betai:r", Rest),
         ],
         "law `tabulated_rubber`: `curve` is lctbid over sgl and over sw times st, km is \
-         `bulk_modulus`; prbeta between 0 and 0.5 is `poisson` of a foam. Tables of curves by the \
-         strain rate, unloading (lcunld, hu below 1), friction (g) and relaxation (visco) are not \
-         supported",
+         `bulk_modulus`; prbeta between 0 and 0.5 is `poisson` of a foam. A table of curves by the \
+         strain rate is `curve_by_rate`: tension 0 leaves the rates to compression, -1 and 1 are \
+         rates in loading; rtype 1 is `nominal_rate`; avgopt below 0 `rate_averaging_time`. \
+         Unloading (lcunld, hu below 1), friction (g) and relaxation (visco) are not supported",
     )
     .unused(&[
         REFERENCE,
         ignored("mu", "the bulk viscosity of the elements damps"),
         no_effect("sigf", "it is for g"),
         no_effect("prten", "it is for shells"),
-        no_effect("tension rtype avgopt", "they are for tables"),
         no_effect("shape", "it is for hu below 1"),
         no_effect("stol", "the law checks its curve at the start"),
         no_effect("hisout", "it is for output"),

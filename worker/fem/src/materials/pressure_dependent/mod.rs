@@ -6,16 +6,19 @@
 //! ```
 //! with the deviator s of the stress, its von Mises stress q, the strength Y in the pressure of the
 //! same step, the plastic strain e and the shear modulus G. Flow keeps the volume. Each law has its
-//! pressure, its strength and its damage.
+//! pressure, its strength and its damage. [`karagozian_case`] has a step of its own.
 //!
 //! Each lane is updated alone. Elements of these laws compute in double precision, since a small
 //! increment of the volume changes the pressure by much.
 
 pub mod ceramic;
+mod compaction;
 pub mod concrete;
+pub mod karagozian_case;
 pub mod soil;
 #[cfg(test)]
 mod tests;
+mod three_surfaces;
 
 use super::parameters::Parameters;
 use super::tensor::{deviator, inner};
@@ -229,7 +232,32 @@ struct PointStep {
     rate: f64,
 }
 
-/// A law of this kind. `own` are its own columns.
+/// A law that updates one point at a time.
+trait PointLaw: Send + Sync {
+    /// Returns the names of all columns after the stress, the common ones first.
+    fn columns(&self) -> &'static [&'static str];
+
+    /// Returns the elastic constants at the start.
+    fn elastic(&self) -> &VolumeElastic;
+
+    /// Updates a point over a step `dt` [time]. Returns the von Mises stress over that of the
+    /// elastic trial.
+    fn update(&self, state: &mut [f64], strain: &[f64; STRESS], dt: f64) -> f64;
+}
+
+impl<L: PressureDependent> PointLaw for L {
+    fn columns(&self) -> &'static [&'static str] {
+        PressureDependent::columns(self)
+    }
+    fn elastic(&self) -> &VolumeElastic {
+        PressureDependent::elastic(self)
+    }
+    fn update(&self, state: &mut [f64], strain: &[f64; STRESS], dt: f64) -> f64 {
+        update(self, state, strain, dt)
+    }
+}
+
+/// A law whose flow keeps the volume, with a strength by pressure alone. `own` are its own columns.
 trait PressureDependent: Send + Sync {
     /// Returns the names of all columns after the stress, the common ones first.
     fn columns(&self) -> &'static [&'static str];
@@ -258,7 +286,7 @@ fn update(law: &impl PressureDependent, state: &mut [f64], strain: &[f64; STRESS
     }
     state[VOLUME] += strain[0] + strain[1] + strain[2];
     let compaction = (-state[VOLUME]).exp_m1();
-    let &VolumeElastic { bulk, shear: g, .. } = law.elastic();
+    let &VolumeElastic { bulk, shear: g, .. } = PressureDependent::elastic(law);
     let increments = [0, 1, 2, 3, 4, 5].map(|c| if c < 3 { strain[c] } else { 0.5 * strain[c] });
     let shape = deviator(&increments);
     let before: [f64; STRESS] = std::array::from_fn(|c| state[c]);
@@ -290,7 +318,7 @@ fn update(law: &impl PressureDependent, state: &mut [f64], strain: &[f64; STRESS
 /// Updates so many lanes one by one; `lanes` makes one of their numbers.
 #[inline(always)]
 fn each_lane<R: Real>(
-    law: &impl PressureDependent,
+    law: &impl PointLaw,
     point: SolidPoint<'_, R>,
     dt: f64,
     (count, lanes): (usize, impl Fn(&[f64; LANES32]) -> R),
@@ -302,19 +330,19 @@ fn each_lane<R: Real>(
         let mut state: [f64; COLUMNS] =
             std::array::from_fn(|c| if c < columns { point.state[c].lane(lane) } else { 0.0 });
         let strain = std::array::from_fn(|c| point.strain[c].lane(lane));
-        left[lane] = update(law, &mut state[..columns], &strain, dt);
+        left[lane] = law.update(&mut state[..columns], &strain, dt);
         (0..columns).for_each(|c| after[c][lane] = state[c]);
     }
     point.state.iter_mut().zip(&after).for_each(|(column, after)| *column = lanes(after));
     lanes(&left)
 }
 
-impl<L: PressureDependent> Solid for L {
+impl<L: PointLaw> Solid for L {
     fn history(&self) -> &[&'static str] {
-        self.columns()
+        PointLaw::columns(self)
     }
     fn elastic(&self) -> Elastic {
-        PressureDependent::elastic(self).constants()
+        PointLaw::elastic(self).constants()
     }
     fn averages_volume(&self) -> bool {
         false
@@ -327,6 +355,6 @@ impl<L: PressureDependent> Solid for L {
         each_lane(self, point, dt, (LANES32, |all: &[f64; LANES32]| Lane32::from_array(*all)))
     }
     fn update_one(&self, point: SolidPoint<'_, f64>, dt: f64) -> f64 {
-        update(self, point.state, point.strain, dt)
+        PointLaw::update(self, point.state, point.strain, dt)
     }
 }

@@ -8,11 +8,13 @@
 //! the rubber.
 
 pub mod blatz_ko;
+mod by_rate;
 mod membrane;
 pub mod mooney_rivlin;
 pub mod ogden;
 pub mod polynomial;
 pub mod tabulated;
+mod test_curve;
 
 use super::parameters::Parameters;
 use super::tensor::{Symmetric, deviator, inner, stretch, trace};
@@ -44,20 +46,7 @@ impl<W: StrainEnergy> Rubber<W> {
         let state = point.state;
         let b = stretch(&std::array::from_fn(|c| state[6 + c]), point.strain);
         let stress = self.0.stress(&b);
-        // Waves along a principal axis have the modulus minus the stress there.
-        let s = deviator(&stress);
-        let least = (R::splat(2.0 / 3.0) * inner(&s, &s))
-            .sqrt()
-            .neg_mul_add(R::splat(1.0), R::splat(1.0 / 3.0) * trace(&stress));
-        let [shear, volumetric] = self.0.moduli(&b);
-        let shear = shear + Real::max(-least, R::zero());
-        // An element has `2 G g + lambda tr G` with g from `tr G/3` to `tr G`: both ends count.
-        let elastic = self.0.elastic();
-        let over = |share: f64| {
-            let first = share * 2.0 * elastic.shear_modulus() + elastic.lame();
-            R::splat(1.0 / first) * R::splat(share).mul_add(shear, volumetric) - R::splat(1.0)
-        };
-        let ratio = Real::max(over(1.0), over(1.0 / 3.0));
+        let ratio = stiffening(&self.0.elastic(), &stress, self.0.moduli(&b));
         state[..6].copy_from_slice(&stress);
         state[6..12].copy_from_slice(&b);
         // Rounding does not stiffen a point without strain.
@@ -65,6 +54,25 @@ impl<W: StrainEnergy> Rubber<W> {
         state[12] = R::select(strained, Real::max(ratio, R::zero()), R::zero());
         R::splat(1.0)
     }
+}
+
+/// Returns the modulus of the step over that at the start, less one, with the bound of
+/// [`StrainEnergy::moduli`].
+#[inline(always)]
+fn stiffening<R: Real>(elastic: &Elastic, stress: &Symmetric<R>, moduli: [R; 2]) -> R {
+    // Waves along a principal axis have the modulus minus the stress there.
+    let s = deviator(stress);
+    let least = (R::splat(2.0 / 3.0) * inner(&s, &s))
+        .sqrt()
+        .neg_mul_add(R::splat(1.0), R::splat(1.0 / 3.0) * trace(stress));
+    let [shear, volumetric] = moduli;
+    let shear = shear + Real::max(-least, R::zero());
+    // An element has `2 G g + lambda tr G` with g from `tr G/3` to `tr G`: both ends count.
+    let over = |share: f64| {
+        let first = share * 2.0 * elastic.shear_modulus() + elastic.lame();
+        R::splat(1.0 / first) * R::splat(share).mul_add(shear, volumetric) - R::splat(1.0)
+    };
+    Real::max(over(1.0), over(1.0 / 3.0))
 }
 
 impl<W: StrainEnergy> Solid for Rubber<W> {

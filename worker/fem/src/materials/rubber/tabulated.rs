@@ -18,29 +18,31 @@
 //! f must grow with lambda: otherwise a rubber under equal stress along two axes is not stable. A
 //! curve that does not do so is refused.
 //!
-//! Left out: curves by the strain rate, unloading with loss of energy, viscous stress.
+//! Curves by the strain rate are in [`by_rate`](super::by_rate).
+//!
+//! Left out: unloading with loss of energy without rates, relaxation.
 
+use super::by_rate::{RateRubber, RateSteps};
+use super::test_curve::TestCurve;
 use super::{Rubber, StrainEnergy, elastic_of_shear};
 use crate::materials::parameters::Parameters;
-use crate::materials::polyline::AnchoredCurve;
 use crate::materials::tensor::{Principal, Symmetric, volume_change};
 use crate::materials::{DefaultValue, Elastic, Form, Law, ParameterRow, SolidLawResult};
 use crumple_math::lanes::Real;
 use crumple_proto::partition::Material;
 
 const CURVE: &str = "curve";
+const BY_RATE: &str = "curve_by_rate";
+const NOMINAL: &str = "nominal_rate";
+const AVERAGING: &str = "rate_averaging_time";
 const BULK: &str = "bulk_modulus";
 const POISSON: &str = "poisson";
-
-/// Terms of the sum. Their number is even: the argument of the rest has the sign of the strain.
-const TERMS: usize = 8;
-/// Stretches at which the check of a curve looks at the slope of f.
-const CHECKS: usize = 1000;
 
 /// The row of this law.
 pub const LAW: Law = Law {
     name: "tabulated_rubber",
-    meaning: "Rubber, or with `poisson` foam, by the curve of a uniaxial test.",
+    meaning: "Rubber, or with `poisson` foam, by the curve of a uniaxial test, or by curves at \
+              several strain rates.",
     constants: &[],
     parameters: PARAMETERS,
     build: None,
@@ -52,10 +54,35 @@ const PARAMETERS: &[ParameterRow] = &[
     ParameterRow {
         key: CURVE,
         form: Form::List("[[strain, stress], ...]"),
-        otherwise: DefaultValue::Needed,
+        otherwise: DefaultValue::Depends("needed without `curve_by_rate`"),
         range: None,
         meaning: "Nominal stress over nominal strain of uniaxial stress, negative in compression, \
                   with the point [0, 0] [force/length^2].",
+    },
+    ParameterRow {
+        key: BY_RATE,
+        form: Form::List("[[rate, strain, stress], ...]"),
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning: "Curves as in `curve`, one for each strain rate [1/time], in ascending order, \
+                  none below that of a smaller rate; linear between rates, constant beyond them \
+                  [force/length^2].",
+    },
+    ParameterRow {
+        key: NOMINAL,
+        form: Form::Flag,
+        otherwise: DefaultValue::Flag(false),
+        range: None,
+        meaning: "The rates of `curve_by_rate` are those of the nominal strain; else of its \
+                  logarithm.",
+    },
+    ParameterRow {
+        key: AVERAGING,
+        form: Form::Number,
+        otherwise: DefaultValue::Absent,
+        range: None,
+        meaning: "Time over which the strain rate is a running mean [time]; without it, or if it \
+                  is shorter, 12 steps.",
     },
     ParameterRow {
         key: BULK,
@@ -75,166 +102,161 @@ const PARAMETERS: &[ParameterRow] = &[
 ];
 
 /// Pressure of the law.
-enum Volume {
+pub(super) enum Volume {
     /// K [force/length^2].
     Rubber(f64),
     /// beta.
     Foam(f64),
 }
 
-struct Tabulated {
+pub(super) struct TabulatedRubber {
     elastic: Elastic,
-    test: Test,
-    volume: Volume,
-}
-
-/// The curve of the test and its sum f.
-struct Test {
-    /// g over q.
-    curve: AnchoredCurve,
-    /// Strains of the first and of the last point.
-    ends: [f64; 2],
+    test: TestCurve,
+    pub(super) volume: Volume,
     /// p.
     power: f64,
-    /// Slope of f over ln lambda at zero, in compression and in tension [force/length^2].
-    at_zero: [f64; 2],
 }
 
 fn solid(material: &Material) -> SolidLawResult {
     let mut parameters = Parameters::new(material);
     let density = parameters.density();
-    let points = curve(&mut parameters);
+    let tests = tests(&mut parameters);
     let bulk = parameters.optional(BULK, "above 0", |k| k > 0.0);
     let poisson =
         parameters.optional(POISSON, "from 0 and below 0.5", |nu| (0.0..0.5).contains(&nu));
+    let nominal = parameters.flag(NOMINAL);
+    let averaging = parameters.optional(AVERAGING, "above 0", |time| time > 0.0);
     let given = [BULK, POISSON].map(|key| parameters.given(key));
     if given == [false; 2] {
         parameters.wrong(BULK, "is missing", "give it for a rubber, or poisson for a foam");
     } else if given == [true; 2] {
         parameters.wrong(BULK, "is given together with poisson", "give one of them");
     }
-    let (Some(points), true) = (points, bulk.is_some() != poisson.is_some()) else {
+    for key in [NOMINAL, AVERAGING] {
+        if parameters.given(key) && !parameters.given(BY_RATE) {
+            parameters.wrong(key, "is given without curve_by_rate", "remove it");
+        }
+    }
+    let (Some((key, tests)), true) = (tests, bulk.is_some() != poisson.is_some()) else {
         // Something of it is missing or wrong: the problems are recorded.
         parameters.finish()?;
         return Err(Vec::new());
     };
-    let test = Test::new(&points, poisson.unwrap_or(0.5));
-    if let Some(strain) = test.falls() {
-        let what = format!(
-            "bends too much near the strain {strain:.3}: equal stress along two axes would not be \
-             stable"
-        );
-        let help = "give more points on a smooth curve, in compression too, where the slope grows";
-        parameters.wrong(CURVE, what, help);
+    let power = poisson.unwrap_or(0.5);
+    let curves: Vec<(f64, TestCurve)> =
+        tests.iter().map(|(rate, points)| (*rate, TestCurve::new(points, power))).collect();
+    check(&mut parameters, key, &curves);
+    let shear = |(_, curve): &(f64, TestCurve)| 0.5 * curve.stiffness();
+    // The step follows the stiffer curves of larger rates.
+    let (lowest, stiffest) = (shear(&curves[0]), curves.iter().map(shear).fold(0.0, f64::max));
+    if bulk.is_some_and(|k| 3.0 * k < 2.0 * stiffest) {
+        let what = format!("is below 2/3 of the shear modulus {stiffest} of the curve");
+        parameters.wrong(BULK, what, "that of rubber is 100 times as large and more");
     }
-    let shear = 0.5 * test.at_zero[0].max(test.at_zero[1]);
     let (nu, volume) = match (bulk, poisson) {
-        (Some(k), _) => ((3.0 * k - 2.0 * shear) / (6.0 * k + 2.0 * shear), Volume::Rubber(k)),
+        (Some(k), _) => ((3.0 * k - 2.0 * lowest) / (6.0 * k + 2.0 * lowest), Volume::Rubber(k)),
         (None, nu) => {
             let nu = nu.unwrap_or_default();
             (nu, Volume::Foam(nu / (1.0 - 2.0 * nu)))
         }
     };
-    if nu < 0.0 {
-        let what = format!("is below 2/3 of the shear modulus {shear} of the curve");
-        parameters.wrong(BULK, what, "that of rubber is 100 times as large and more");
-    }
     parameters.finish()?;
-    let elastic = elastic_of_shear(shear, nu, density);
-    Ok(Box::new(Rubber(Tabulated { elastic, test, volume })))
+    let elastic = elastic_of_shear(lowest, nu, density);
+    let rubber = TabulatedRubber { elastic, test: curves[0].1.clone(), volume, power };
+    if curves.len() == 1 {
+        return Ok(Box::new(Rubber(rubber)));
+    }
+    let steps = RateSteps::new(&curves, nominal, averaging.unwrap_or(0.0));
+    Ok(Box::new(RateRubber { rubber, steps }))
 }
 
-/// Reads the points of the curve; `None` if they are missing or wrong.
-fn curve(parameters: &mut Parameters<'_>) -> Option<Vec<[f64; 2]>> {
-    let Some(points) = parameters.rows::<2>(CURVE, "[strain, stress]") else {
-        parameters.wrong(CURVE, "is missing", "give [[strain, stress], ...]");
-        return None;
+/// Checks that f of each curve grows with the stretch, and that no curve is below that of a smaller
+/// rate.
+fn check(parameters: &mut Parameters<'_>, key: &str, curves: &[(f64, TestCurve)]) {
+    for (rate, curve) in curves {
+        if let Some(strain) = curve.falls() {
+            let of_rate =
+                if key == BY_RATE { format!("at the rate {rate} ") } else { String::new() };
+            let what = format!(
+                "{of_rate}bends too much near the strain {strain:.3}: equal stress along two axes \
+                 would not be stable"
+            );
+            let help =
+                "give more points on a smooth curve, in compression too, where the slope grows";
+            parameters.wrong(key, what, help);
+        }
+    }
+    for two in curves.windows(2) {
+        if let Some(stretch) = two[1].1.falls_below(&two[0].1) {
+            let what = format!(
+                "has a curve of the rate {} that lies below that of the rate before it at the \
+                 strain {:.3}",
+                two[1].0,
+                stretch - 1.0
+            );
+            let help = "a faster test must not have a smaller stress: the overstress would give \
+                        energy; curves go on beyond their ends to those of the others";
+            parameters.wrong(key, what, help);
+        }
+    }
+}
+
+/// Returns the key of the curves, and the points of each with its rate; `None` if they are missing
+/// or wrong.
+fn tests(parameters: &mut Parameters<'_>) -> Option<(&'static str, Vec<(f64, Vec<[f64; 2]>)>)> {
+    let curve = parameters.rows::<2>(CURVE, "[strain, stress]");
+    let by_rate = parameters.rows::<3>(BY_RATE, "[rate, strain, stress]");
+    let (key, rows) = match (curve, by_rate) {
+        (Some(rows), None) => (CURVE, rows.iter().map(|row| [0.0, row[0], row[1]]).collect()),
+        (None, Some(rows)) => (BY_RATE, rows),
+        (Some(_), Some(_)) => {
+            parameters.wrong(BY_RATE, "is given together with curve", "give one of them");
+            return None;
+        }
+        (None, None) => {
+            let help = "give [[strain, stress], ...], or curve_by_rate";
+            parameters.wrong(CURVE, "is missing", help);
+            return None;
+        }
     };
-    if points.is_empty() {
+    if rows.is_empty() {
         return None;
     }
-    let ascends = points.windows(2).all(|two| two[0][0] < two[1][0]) && points[0][0] > -1.0;
-    let fits = |point: &[f64; 2]| *point == [0.0, 0.0] || point[0] * point[1] > 0.0;
-    if points.len() < 2 || !ascends || !points.iter().all(fits) || !points.contains(&[0.0, 0.0]) {
+    let curves: Vec<(f64, Vec<[f64; 2]>)> = rows
+        .chunk_by(|a, b| a[0] == b[0])
+        .map(|rows| (rows[0][0], rows.iter().map(|row| [row[1], row[2]]).collect()))
+        .collect();
+    if curves.windows(2).any(|two| two[0].0 >= two[1].0) || curves[0].0 < 0.0 {
+        let help = "give the rows of each rate together, and increasing rates from 0 on";
+        parameters.wrong(key, "has rates in the wrong order", help);
+        return None;
+    }
+    if !curves.iter().all(|(_, points)| is_test(points)) {
         let help = "give increasing strains above -1 with the point [0, 0], and stresses with the \
                     sign of the strain";
-        parameters.wrong(CURVE, "is not such a curve", help);
+        parameters.wrong(key, "is not such a curve", help);
         return None;
     }
-    Some(points)
+    Some((key, curves))
 }
 
-/// Returns `lambda^2 - 1/lambda`, the curve of a neo-Hookean rubber, and its slope over ln lambda.
-#[inline(always)]
-fn neo_hookean<R: Real>(stretch: R) -> [R; 2] {
-    let per = R::splat(1.0) / stretch;
-    let squared = stretch * stretch;
-    [squared - per, squared + squared + per]
+/// Returns true for points of a test: ascending, through zero, with the sign of the strain.
+fn is_test(points: &[[f64; 2]]) -> bool {
+    let ascends = points.windows(2).all(|two| two[0][0] < two[1][0]) && points[0][0] > -1.0;
+    let fits = |point: &[f64; 2]| *point == [0.0, 0.0] || point[0] * point[1] > 0.0;
+    points.len() > 1 && ascends && points.iter().all(fits) && points.contains(&[0.0, 0.0])
 }
 
-impl Test {
-    /// Creates the curve from at least two ascending points, one of them [0, 0].
-    fn new(points: &[[f64; 2]], power: f64) -> Self {
-        let over_q = |&[strain, stress]: &[f64; 2]| {
-            let stretch = 1.0 + strain;
-            [neo_hookean(stretch)[0], stretch * stress]
-        };
-        let curve: Vec<_> = points.iter().map(over_q).collect();
-        // The slope of q over ln lambda is 3 at zero. A side without points has that of the other.
-        let slopes: Vec<_> = curve
-            .windows(2)
-            .map(|two| 3.0 * (two[1][1] - two[0][1]) / (two[1][0] - two[0][0]))
-            .collect();
-        let zero = points.iter().filter(|point| point[0] < 0.0).count();
-        let [down, up] = [zero.saturating_sub(1), zero.min(slopes.len() - 1)].map(|k| slopes[k]);
-        let at_zero = [down - power * up, up - power * down].map(|s| s / (1.0 - power * power));
-        Self {
-            curve: AnchoredCurve::new(curve.into_iter()),
-            ends: [points[0][0], points[points.len() - 1][0]],
-            power,
-            at_zero,
-        }
+impl TabulatedRubber {
+    /// Returns p, the exponent of the lateral stretch in uniaxial stress.
+    pub(super) fn power(&self) -> f64 {
+        self.power
     }
 
-    /// Returns g and its slope over ln lambda at a nominal strain.
-    #[inline(always)]
-    fn term<R: Real>(&self, strain: R) -> [R; 2] {
-        let [q, over] = neo_hookean(R::splat(1.0) + strain);
-        let [value, slope] = self.curve.at(q);
-        [value, slope * over]
-    }
-
-    /// Returns f and its slope over ln lambda at a nominal strain.
-    #[inline(always)]
-    fn sum<R: Real>(&self, strain: R) -> [R; 2] {
-        let one = R::splat(1.0);
-        let [mut value, mut slope] = self.term(strain);
-        let logarithm = (one + strain).ln();
-        let mut share = 1.0;
-        for _ in 1..TERMS {
-            share *= -self.power;
-            let [g, over] = self.term((R::splat(share) * logarithm).exp() - one);
-            value += g;
-            slope = R::splat(share).mul_add(over, slope);
-        }
-        let [below, above] = self.at_zero.map(R::splat);
-        let rest = R::splat(-self.power * share) * R::select(strain.ge(R::zero()), above, below);
-        [rest.mul_add(logarithm, value), slope + rest]
-    }
-
-    /// Returns a strain of the curve at which f does not grow.
-    fn falls(&self) -> Option<f64> {
-        let [first, last] = self.ends;
-        let step = (last - first) / CHECKS as f64;
-        (0..=CHECKS).map(|k| first + step * k as f64).find(|&strain| self.sum(strain)[1] <= 0.0)
-    }
-}
-
-impl Tabulated {
     /// Returns principal directions, J, the strains of the arguments of f along the directions, and
     /// that of the argument of the volume in foam.
     #[inline(always)]
-    fn arguments<R: Real>(&self, b: &Symmetric<R>) -> (Principal<R>, R, [R; 3], R) {
+    pub(super) fn arguments<R: Real>(&self, b: &Symmetric<R>) -> (Principal<R>, R, [R; 3], R) {
         let one = R::splat(1.0);
         let third = one + volume_change(b);
         let changed = (third - one).abs().gt(R::zero());
@@ -252,7 +274,7 @@ impl Tabulated {
     }
 }
 
-impl StrainEnergy for Tabulated {
+impl StrainEnergy for TabulatedRubber {
     fn elastic(&self) -> Elastic {
         self.elastic
     }

@@ -111,6 +111,7 @@ impl StarterConverter {
                 density,
                 youngs_modulus,
                 takes_equation: false,
+                compacts: false,
                 is_hydro: false,
                 least_pressure: None,
                 place,
