@@ -57,7 +57,7 @@ fn fields_become_parameters() {
     assert!(shown.mapping.iter().any(|entry| entry.asked == "GISSMO with dtyp 0"));
     let none = model_of(&deck("*MAT_ADD_EROSION\n1,,,,-0.4,,3\n"));
     assert_eq!(parameter(&none, "gissmo_failure_strain"), "");
-    assert!(none.mapping.iter().any(|entry| entry.asked == "numfip 3"));
+    assert_eq!(parameter(&none, "erosion_failed_points"), "3.0");
 }
 
 /// A material has one damage, and each criterion once: the error names the lines of both cards.

@@ -110,6 +110,10 @@ fn added_failure_of_a_material() {
     ] {
         assert_eq!(parameter(&eroding, key), value, "{key}");
     }
+    // By default the first failed point removes its shell; -100 stands for all points.
+    assert_eq!(parameter(&eroding, "erosion_failed_points"), "1.0");
+    let all = model(&format!("{metal}*MAT_ADD_EROSION\n1,,,,0.4,,-100.0\n"));
+    assert_eq!(parameter(&all, "erosion_failed_points"), "");
     let strained = model(&format!("{metal}*MAT_ADD_EROSION\n1,,,,0.4\n"));
     assert_eq!(parameter(&strained, "erosion_effective_strain"), "0.4");
     assert_eq!(parameter(&strained, "erosion_plastic_strain"), "");

@@ -16,6 +16,13 @@ fn metal(more: &[(&str, Param)]) -> Material {
     steel("j2", &[&fails[..], more].concat())
 }
 
+/// Returns a metal whose points fail at the same plastic strain by a criterion instead of damage.
+fn eroding(more: &[(&str, Param)]) -> Material {
+    let fails =
+        [("yield_stress", Param::Number(0.25)), ("erosion_plastic_strain", Param::Number(0.02))];
+    steel("j2", &[&fails[..], more].concat())
+}
+
 /// Returns the values of the columns of an element with this name.
 fn columns<const C: usize>(patch: &Patch<C>, name: &str) -> Vec<f64> {
     let names = patch.element.names();
@@ -71,17 +78,19 @@ fn a_shell_goes_with_so_many_failed_points() {
         (Some(-66.0), true),
         (None, false),
     ] {
-        let more: Vec<(&str, Param)> =
-            wanted.map(|n| ("gissmo_failed_points", Param::Number(n))).into_iter().collect();
+        let with = |key: &'static str| -> Vec<(&str, Param)> {
+            wanted.map(|n| (key, Param::Number(n))).into_iter().collect()
+        };
+        let laws = [metal(&with("gissmo_failed_points")), eroding(&with("erosion_failed_points"))];
         // Layers count as points.
         let layer = LayerInput { thickness: 1.0, material: String::new(), angle: 30.0, points: 3 };
-        for layered in [false, true] {
+        for (law, layered) in laws.iter().flat_map(|law| [(law, false), (law, true)]) {
             let part = part_of("belytschko_tsay", 1.0);
             let part = match layered {
                 false => part.with("points", 3_i64),
                 true => Part { layer: vec![layer.clone()], ..part },
             };
-            let mut patch: Patch<4> = Patch::new(part, metal(&more), &corners, &[[0, 1, 2, 3]]);
+            let mut patch: Patch<4> = Patch::new(part, law.clone(), &corners, &[[0, 1, 2, 3]]);
             for k in [1, 2] {
                 patch.w[k][1] = 0.01;
             }

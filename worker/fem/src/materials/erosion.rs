@@ -25,6 +25,7 @@
 //!
 //! A law without criteria is not wrapped, so that it runs the same code as before.
 
+use super::failed_points::FailedPoints;
 use super::tensor::{Principal, deviator, full, inner, trace};
 use super::wrapped::{self, LawModifier, PointColumns, full_stress};
 use super::{
@@ -96,6 +97,12 @@ pub const EROSION: &[ParameterRow] = &[
          and 5 to 8 are those on the sheets.",
     ),
     row("erosion_weld_shear_stress", "Spot weld: the same for the shear stress [force/length^2]."),
+    row(
+        "erosion_failed_points",
+        "Number of points through the thickness of a shell that have to fail until it is removed, \
+         below 0 a percentage of them. Without it all of them, or as many as a damage of the \
+         material says. Solids and beams are removed when all their points have failed.",
+    ),
 ];
 
 /// Places in [`EROSION`].
@@ -103,6 +110,7 @@ const MAJOR_STRAIN: usize = 7;
 const START: usize = 9;
 const EFFECTIVE_STRAIN: usize = 10;
 const WELD: [usize; 2] = [11, 12];
+const FAILED_POINTS: usize = 13;
 
 /// Column that marks failure.
 const FAILED: &str = "failed";
@@ -133,11 +141,13 @@ pub fn split(material: &Material) -> Result<(Material, ErosionLimits), Vec<Probl
         let wanted = match row.key {
             "erosion_min_pressure" => "below 0",
             "erosion_volume_strain" => "above or below 0, but not 0",
+            "erosion_failed_points" => FailedPoints::WANTED,
             _ => "above 0",
         };
         let fits = |x: f64| match wanted {
             "below 0" => x < 0.0,
             "above 0" => x > 0.0,
+            FailedPoints::WANTED => FailedPoints::is_possible(x),
             _ => x != 0.0,
         };
         match param {
@@ -154,6 +164,12 @@ pub fn split(material: &Material) -> Result<(Material, ErosionLimits), Vec<Probl
         let key = EROSION[START].key;
         let message = format!("material '{}': {key} is {start:?}", material.name);
         let help = "it has to be below erosion_major_strain, which has to be given";
+        problems.push(Problem::error(key, message, help));
+    }
+    if limits[FAILED_POINTS].is_some() && limits[..FAILED_POINTS].iter().all(Option::is_none) {
+        let key = EROSION[FAILED_POINTS].key;
+        let message = format!("material '{}': {key} without a criterion", material.name);
+        let help = "give one of the other erosion_... keys, or remove it";
         problems.push(Problem::error(key, message, help));
     }
     if problems.is_empty() { Ok((rest, limits)) } else { Err(problems) }
@@ -382,6 +398,10 @@ impl LawModifier for Erosion {
         let left = before.map(|before| self.fade(state, strain.len(), before));
         self.fail(&full_stress(state, strain.len()), state, strain.len());
         left.map_or(of_law, |left| of_law * left)
+    }
+
+    fn failed_points(&self, points: usize, of_law: usize) -> usize {
+        FailedPoints::new(self.limits[FAILED_POINTS]).of(points, of_law)
     }
 
     fn axes(&self) -> Option<MaterialAxes> {

@@ -6,11 +6,22 @@ use super::parameters::Parameters;
 pub struct FailedPoints(Option<f64>);
 
 impl FailedPoints {
+    /// The numbers that are possible.
+    pub const WANTED: &str = "a whole number from 1 on, or from -100 to below 0";
+
     /// Reads the optional key.
     pub fn read(parameters: &mut Parameters<'_>, key: &'static str) -> Self {
-        let count = |n: f64| n >= 1.0 && n.fract() == 0.0 || (-100.0..0.0).contains(&n);
-        let wanted = "a whole number from 1 on, or from -100 to below 0";
-        Self(parameters.optional(key, wanted, count))
+        Self(parameters.optional(key, Self::WANTED, Self::is_possible))
+    }
+
+    /// Takes a possible number.
+    pub fn new(number: Option<f64>) -> Self {
+        Self(number)
+    }
+
+    /// Returns true if a number is possible.
+    pub fn is_possible(n: f64) -> bool {
+        n >= 1.0 && n.fract() == 0.0 || (-100.0..0.0).contains(&n)
     }
 
     /// Returns the number of `points`, or `otherwise` if none was given.

@@ -35,6 +35,9 @@ const CRITERIA: [(&str, &str, f64); 8] = [
     ("voleps", "erosion_volume_strain", 1.0),
 ];
 
+/// Percentage of the points, as numfip, for all points.
+const ALL_POINTS: f64 = -100.0;
+
 /// Stress from which on a limit of tension is none [force/length^2].
 const NO_LIMIT: f64 = 1e19;
 
@@ -147,6 +150,7 @@ impl DeckConverter {
                 continue;
             };
             let Some(table) = &mut material.table else { continue };
+            let mut has_criterion = false;
             for (field, key, sign) in CRITERIA {
                 let value = sign * record.real(field);
                 if given(field) && (value > 0.0 || matches!(field, "voleps" | "mnpres" | "mxpres"))
@@ -155,16 +159,20 @@ impl DeckConverter {
                         Some(first) => {
                             self.second_card(&record, field, [first, record.place(field)]);
                         }
-                        None => table.put(key, record.place(field), value),
+                        None => {
+                            table.put(key, record.place(field), value);
+                            has_criterion = true;
+                        }
                     }
                 }
             }
+            // By default the first point that fails removes its element.
+            let points = record.real_or("numfip", 1.0);
+            if has_criterion && points != ALL_POINTS {
+                table.put("erosion_failed_points", record.place("numfip"), points);
+            }
             if record.integer("idam") == 1 {
                 self.gissmo(&record, "dmgtyp", table);
-            } else if given("numfip") {
-                let asked = format!("numfip {}", record.real("numfip"));
-                let used = "not used: an element is removed when all its points have failed";
-                self.map(format!("material {id}"), asked, used);
             }
         }
     }

@@ -122,6 +122,14 @@ impl DeckConverter {
         if matches!(option.saturating_abs(), 1 | 3) {
             let used = "only nodes on the surface at the start are tied";
             self.map(label, format!("option {option}: nodes also stick later"), used);
+            let message = format!(
+                "{}: option {option} also ties nodes that touch the surface later; here they stay \
+                 in contact and can part",
+                record.name()
+            );
+            let help = "if all nodes that stick are on the surface at the start, nothing is \
+                        different; option 2 then says so";
+            self.trouble.warning(record.place("option"), message, help);
         }
         Some(asked)
     }

@@ -26,7 +26,7 @@ const EROSION: [[(&str, f64); 8]; 2] = [
         ("", 0.0),
         (PLASTIC, -1.0),
         ("erosion_volume_strain", 1.0),
-        ("", 0.0),
+        (FAILED_POINTS, 1.0),
         ("", 0.0),
     ],
     [
@@ -41,9 +41,10 @@ const EROSION: [[(&str, f64); 8]; 2] = [
     ],
 ];
 const PLASTIC: &str = "erosion_plastic_strain";
+const FAILED_POINTS: &str = "erosion_failed_points";
 const EFFECTIVE: &str = "erosion_effective_strain";
-const OF_BOTH_SIGNS: [&str; 3] =
-    ["erosion_max_pressure", "erosion_min_pressure", "erosion_volume_strain"];
+const OF_BOTH_SIGNS: [&str; 4] =
+    ["erosion_max_pressure", "erosion_min_pressure", "erosion_volume_strain", FAILED_POINTS];
 
 /// Equations of state: key, keyword, and number of fields before the first constant.
 const EQUATIONS: [(&str, &str, usize); 2] =
@@ -300,6 +301,8 @@ fn erosion(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardPara
         let mut values = fields.map(|(key, sign)| match given(key) {
             true => Number(sign * cards.number(key)),
             false if key == PLASTIC && given(EFFECTIVE) => Number(cards.number(EFFECTIVE)),
+            // All points; a blank field is the first one.
+            false if key == FAILED_POINTS => Number(-100.0),
             false => Blank,
         });
         if row == 0 {

@@ -63,7 +63,8 @@ pub const KEYWORDS: &[Keyword] = &[
             ("lcfld:i nsff:i epsthin:r engcrt:r radcrt:r", Maybe),
         ],
         "keys `erosion_...` of the material: mxpres, mnpres, sigp1, sigvm, mxeps, voleps, \
-         effeps (below 0 the plastic strain); idam 1 with dmgtyp 1 is damage as in \
+         effeps (below 0 the plastic strain), numfip for shells (1 if it is blank: the first \
+         failed point removes the shell); idam 1 with dmgtyp 1 is damage as in \
          MAT_ADD_DAMAGE_GISSMO; the other criteria are not supported",
     )
     .unused(&[
