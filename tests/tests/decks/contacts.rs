@@ -1,6 +1,6 @@
 //! Contact cards and the interfaces that they become.
 
-use super::base::{BASE, MOVES, STEEL, assert_refused, model_of, read_with, with};
+use super::base::{BASE, MOVES, STEEL, assert_refused, model_of, read_with, refused, with};
 use crumple::input::job::{Model, read};
 use crumple_tests::run_alone;
 use std::fs;
@@ -63,6 +63,33 @@ fn contacts_of_one_way_hold_one_side() {
         let words = crumple::input::check::describe(&model);
         assert_eq!(words.contains("parts 1 held by parts 2"), one_way, "{words}");
     }
+}
+
+/// A box selects the parts that have nodes in it; one that cuts a part is a warning. The plate is
+/// at z 12, the cube from 0 to 10.
+#[test]
+fn boxes_select_parts_of_contacts() {
+    let lines = |top: &str| {
+        format!(
+            "*CONTACT_AUTOMATIC_SINGLE_SURFACE\n0,0,5,0,6\n\n\n\
+             *DEFINE_BOX\n6,-1.0,30.0,-1.0,30.0,-1.0,{top}\n"
+        )
+    };
+    let warned = |model: &Model| {
+        model
+            .warnings
+            .iter()
+            .any(|w| w.message.contains("box 6 has only some nodes of the parts 2"))
+    };
+    for (top, parts, cut) in
+        [("11.0", vec![2], false), ("20.0", vec![1, 2], false), ("5.0", vec![2], true)]
+    {
+        let model = with(&lines(top));
+        assert_eq!(model.job.contact.as_ref().unwrap().parts, parts, "{top}");
+        assert_eq!(warned(&model), cut, "{top}: {:?}", model.warnings);
+    }
+    let missing = refused(&lines("9.0").replace("*DEFINE_BOX\n6", "*DEFINE_BOX\n7"));
+    assert!(missing.contains("*DEFINE_BOX") && missing.contains('7'), "{missing}");
 }
 
 /// fs 2 selects the table fd: curves of the coefficient over the speed at ascending pressures. They

@@ -5,6 +5,7 @@ use super::names::names;
 use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::{Entry, Node, NodeContent, Place};
+use crumple_proto::ids::NodeId;
 use crumple_proto::job::ContactInput;
 use crumple_proto::mesh::Shape;
 use std::collections::{BTreeMap, BTreeSet};
@@ -154,17 +155,23 @@ impl DeckConverter {
             // The type of a side that is not there has no meaning.
             record.integer("surfbtyp");
         }
-        let sides: &[(&str, &str, &str)] = match single {
-            true => &[("surfa", "surfatyp", "parts")],
-            false => &[("surfa", "surfatyp", "parts"), ("surfb", "surfbtyp", "against")],
+        let sides: &[(&str, &str, &str, &str)] = match single {
+            true => &[("surfa", "surfatyp", "parts", "saboxid")],
+            false => &[
+                ("surfa", "surfatyp", "parts", "saboxid"),
+                ("surfb", "surfbtyp", "against", "sbboxid"),
+            ],
         };
-        for (side, kind, key) in sides {
+        for (side, kind, key, within) in sides {
+            let has_box = record.integer(within) != 0;
             let parts = match self.side(record, side, kind) {
                 // All parts; in `against` they must be named.
-                None if *key == "parts" => continue,
+                None if *key == "parts" && !has_box => continue,
                 None => self.parts.keys().copied().collect(),
                 Some(parts) => parts,
             };
+            let parts =
+                if has_box { self.parts_in_box(record, name, within, parts) } else { parts };
             if parts.is_empty() {
                 let message = format!("{name} is left out: there are no parts in {side}");
                 self.trouble.warning(
@@ -303,7 +310,7 @@ impl DeckConverter {
         record: &CardRecord,
         side: &str,
         what: &str,
-        nodes: &BTreeSet<crumple_proto::ids::NodeId>,
+        nodes: &BTreeSet<NodeId>,
     ) -> Vec<i64> {
         let found: BTreeSet<i64> = self
             .rows
@@ -322,6 +329,43 @@ impl DeckConverter {
             format!("the parts {}", list.join(", ")),
         );
         found.into_iter().collect()
+    }
+
+    /// Returns those of some parts that have nodes in a box at the start. A part that is partly in
+    /// it takes part as a whole, with a warning.
+    fn parts_in_box(
+        &mut self,
+        record: &CardRecord,
+        name: &str,
+        field: &str,
+        parts: Vec<i64>,
+    ) -> Vec<i64> {
+        let (id, place) = (record.integer(field), record.place(field));
+        let inside: BTreeSet<NodeId> = self.in_box(id, place).into_iter().collect();
+        // Whether nodes of the part are in the box and out of it.
+        let mut found: BTreeMap<i64, [bool; 2]> = BTreeMap::new();
+        for element in self.rows.elements() {
+            let [within, without] = found.entry(i64::from(element.part)).or_default();
+            for node in element.corners() {
+                let is_in = inside.contains(node);
+                *within |= is_in;
+                *without |= !is_in;
+            }
+        }
+        let state = |part: &i64| found.get(part).copied().unwrap_or_default();
+        let kept: Vec<i64> = parts.into_iter().filter(|part| state(part)[0]).collect();
+        let list = |of: &[i64]| of.iter().map(i64::to_string).collect::<Vec<_>>().join(", ");
+        self.map(name, format!("{field} {id}"), format!("the parts in it: {}", list(&kept)));
+        let cut: Vec<i64> = kept.iter().copied().filter(|part| state(part)[1]).collect();
+        if !cut.is_empty() {
+            let message = format!(
+                "{name}: box {id} has only some nodes of the parts {}, which take part as a whole",
+                list(&cut)
+            );
+            let help = "contact works with whole parts: divide them at the box, if it matters";
+            self.trouble.warning(place, message, help);
+        }
+        kept
     }
 
     /// Converts the friction of the card, except for fs -1.
@@ -594,9 +638,6 @@ impl DeckConverter {
     fn options(&mut self, record: &CardRecord) {
         if record.real("sldthk") != 0.0 {
             self.unsupported_value(record, "sldthk", "solids have no thickness in contact");
-        }
-        for field in ["saboxid", "sbboxid"].iter().filter(|f| record.integer(f) != 0) {
-            self.unsupported_value(record, field, "contact is defined by parts");
         }
     }
 }
