@@ -106,9 +106,9 @@ pub struct ContactInput {
     /// table.
     #[schemars(with = "Vec<PartRef>")]
     pub against: Vec<u32>,
-    /// If true, segments of `against` hold nodes of `parts`, but not the other way round: nodes of
-    /// `against` go through segments of `parts`, and edges of the two do not touch. Not for law
-    /// `mortar`, which has no nodes.
+    /// If true, segments of `against` hold nodes of `parts`, but not the other way round: unless
+    /// an earlier contact holds them too, nodes of `against` go through segments of `parts`, and
+    /// edges of the two do not touch. Not for law `mortar`, which has no nodes.
     pub one_way: bool,
     /// Parts that are in contact by interfaces only.
     #[schemars(with = "Vec<PartRef>")]

@@ -106,6 +106,16 @@ impl Affine {
         [0, 1, 2].map(|r| [0, 1, 2].map(|c| columns[c][r]))
     }
 
+    /// Returns the image of a stress, xx, yy, zz, xy, yz, zx.
+    pub fn stress(&self, stress: [f64; 6]) -> [f64; 6] {
+        if !self.turns() {
+            return stress;
+        }
+        let [xx, yy, zz, xy, yz, zx] = stress;
+        let tensor = self.tensor([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]);
+        [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].map(|(i, j)| tensor[i][j])
+    }
+
     /// Returns the image of a box with sides along the axes; `None` if its sides are not along
     /// them after a rotation.
     pub fn sides(&self, sides: [[f64; 2]; 3]) -> Option<[[f64; 2]; 3]> {

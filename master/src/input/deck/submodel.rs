@@ -194,6 +194,7 @@ impl Submodel {
             "MAT_RIGID",
             NODAL_BODY,
             "CONSTRAINED_GLOBAL",
+            "CONSTRAINED_LINEAR_GLOBAL",
             "CONSTRAINED_INTERPOLATION",
             "CONSTRAINED_NODE_SET",
             STOPPERS,
@@ -219,7 +220,7 @@ impl Submodel {
             let help = "give negative ids, for bounds of the displacement, or move the keyword to \
                         a file that is not moved, with the new coordinates";
             trouble.error(record.head, message, help);
-        } else if !self.map.turns() || keyword == STOPPERS && record.integer("dir") == 4 {
+        } else if !self.map.turns() || follows_a_vector(record) {
             // Directions stay as they are.
         } else if along_axes.iter().any(|k| keyword.starts_with(k))
             && (!["MAT_RIGID", NODAL_BODY].contains(&keyword) || record.real("cmo") != 0.0)
@@ -379,6 +380,9 @@ impl Submodel {
         let rate =
             |v: [f64; 3], dimension: UnitPowers| v.map(|c| c * factor(&self.units, &dimension));
         let image = match role {
+            // The axes turn with the file.
+            FieldRole::Point if is_local => given.map(|c| c * self.units[1]),
+            FieldRole::Direction if is_local => given,
             FieldRole::Point => self.point(given),
             FieldRole::Direction => self.map.direction(given),
             FieldRole::Velocity if is_local => rate(given, [0, 1, -1]),
@@ -392,6 +396,18 @@ impl Submodel {
                 value.given = Given::Real(x);
             }
         }
+    }
+}
+
+/// Returns true if the directions of a record are those of a vector, which turns with the file.
+fn follows_a_vector(record: &CardRecord) -> bool {
+    match record.row.keyword.name {
+        STOPPERS => record.integer("dir") == 4,
+        "LOAD_BODY_VECTOR" => true,
+        keyword if keyword.starts_with("BOUNDARY_PRESCRIBED_MOTION") => {
+            matches!(record.integer("dof").unsigned_abs(), 4 | 8)
+        }
+        _ => false,
     }
 }
 
@@ -443,7 +459,8 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
             roles.insert(field, id(kind));
         }
     }
-    if integer("icid") != 0 {
+    let has_axes = ["DEFINE_VECTOR", "LOAD_BODY_VECTOR"].contains(&keyword) && integer("cid") != 0;
+    if has_axes || integer("icid") != 0 {
         roles.insert(LOCAL_AXES, FieldRole::Number([0; 3]));
     }
     if keyword == "INITIAL_VELOCITY_GENERATION" {
@@ -475,7 +492,7 @@ fn ids_by_type(record: &CardRecord, line: &CardLine) -> HashMap<&'static str, Fi
         roles.insert("inid", id(OffsetKind::Set));
     }
     let dof = integer("dof").unsigned_abs();
-    let rotates = matches!(dof, 5..=11) && dof != 8;
+    let rotates = matches!(dof, 5..=11);
     if keyword.starts_with("LOAD_NODE") || keyword == "LOAD_RIGID_BODY" {
         let amount = if dof < 5 { [1, 1, -2] } else { [1, 2, -2] };
         roles.insert("lcid", FieldRole::Curve([0, 0, 1], amount));

@@ -80,8 +80,7 @@ fn report(
     if found.without_stress > 0 {
         let message = format!(
             "part {}: {} of its elements have a stress at the start{first}, which the law `{law}` \
-             of material '{}' does not take with these elements: it computes the stress from all \
-             of the deformation since the start",
+             of material '{}' does not take with these elements",
             part.label(),
             found.without_stress,
             part.material

@@ -108,7 +108,11 @@ fn rename(
     mesh.elements.sort_unstable_by_key(|e| e.id);
     axes.iter_mut().for_each(|axis| axis.0 = elements[&axis.0]);
     axes.sort_unstable_by_key(|axis| axis.0);
-    mesh.initial.iter_mut().for_each(|point| point.element = elements[&point.element]);
+    mesh.initial.retain_mut(|point| {
+        let element = elements.get(&point.element);
+        point.element = element.copied().unwrap_or(point.element);
+        element.is_some()
+    });
     initial::sort(&mut mesh.initial);
     for set in mesh.node_sets.values_mut() {
         set.iter_mut().for_each(node);

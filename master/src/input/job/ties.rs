@@ -115,7 +115,7 @@ pub fn resolve(job: &Job, mesh: &mut Mesh, findings: &mut JobProblems) -> Resolv
     }
     let direct: Vec<Tie> = projected.iter().map(|s| s.tie.clone()).collect();
     failure::refuse_chains(&direct, findings);
-    failure::refuse_loads_of_parts(job, mesh, &direct, findings);
+    failure::refuse_partial_loads(job, mesh, &direct, findings);
     let mut given = BTreeMap::new();
     for s in &projected {
         let node = &mut mesh.nodes[s.node];

@@ -342,7 +342,7 @@ impl DeckConverter {
     ) -> Vec<i64> {
         let (id, place) = (record.integer(field), record.place(field));
         let inside: BTreeSet<NodeId> = self.in_box(id, place).into_iter().collect();
-        // Whether nodes of the part are in the box and out of it.
+        // Two marks of a part: it has nodes in the box, and nodes out of it.
         let mut found: BTreeMap<i64, [bool; 2]> = BTreeMap::new();
         for element in self.rows.elements() {
             let [within, without] = found.entry(i64::from(element.part)).or_default();

@@ -35,7 +35,7 @@ impl DeckConverter {
                     _ => (word.as_str(), false),
                 };
                 let own: Vec<(i64, Place)> = line.integers("e").collect();
-                let found: Vec<i64> = match word {
+                let found: BTreeSet<i64> = match word {
                     "ALL" => all.iter().map(|e| e.id).collect(),
                     "ELEM" => own.iter().map(|e| e.0).collect(),
                     "PART" => {

@@ -5,7 +5,6 @@
 use super::DeckConverter;
 use super::mesh::start;
 use super::sets::{SHELL_SETS, SOLID_SETS};
-use crate::input::deck::affine::Affine;
 use crate::input::deck::keywords::KeywordRow;
 use crate::input::deck::record::Cards;
 use crate::input::deck::roles::OffsetKind;
@@ -77,7 +76,7 @@ impl DeckStresses {
                         points: [count(all[0]).max(1), count(all[1]).max(1)],
                         history: count(all[2]),
                     },
-                    [("ntensr", all[3]), ("nthhsv", all[5] * all[6])],
+                    [("ntensr", all[3] != 0), ("nthhsv", all[5] != 0 && all[6] != 0)],
                 ),
                 false => (
                     StressHead {
@@ -85,13 +84,13 @@ impl DeckStresses {
                         points: [count(all[0]).max(1), 1],
                         history: count(all[1]),
                     },
-                    [("iveflg", all[3]), ("nthhsv", all[5] * all[6])],
+                    [("iveflg", all[3] != 0), ("nthhsv", all[5] != 0 && all[6] != 0)],
                 ),
             };
             if !numbers.whole {
                 return;
             }
-            if let Some((field, _)) = others.into_iter().find(|(_, value)| *value != 0) {
+            if let Some((field, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
                 let message = format!(
                     "{}: element {id} has `{field}`, whose lines are not read",
                     block.shown()
@@ -101,7 +100,12 @@ impl DeckStresses {
                 cards.trouble.error(place, message, help);
                 return cards.trouble.unsure();
             }
-            let mut points = Vec::with_capacity(head.points[0] * head.points[1]);
+            if all[..3].iter().any(|count| *count < 0) {
+                let message = format!("{}: element {id} has a count below 0", block.shown());
+                cards.trouble.error(place, message, "give counts of points and variables");
+                return cards.trouble.unsure();
+            }
+            let mut points = Vec::new();
             for number in 1..=head.points[0] {
                 for _ in 0..head.points[1] {
                     let of = (number as u32, of_shell);
@@ -115,13 +119,23 @@ impl DeckStresses {
                     points.push(point);
                 }
             }
+            if of_shell {
+                number_in_the_plane(&mut points);
+            }
             let mut id = id;
             if let Some((submodel, _)) = &cards.submodel {
                 let kind = if is_set { OffsetKind::Set } else { OffsetKind::Element };
                 id = submodel.id(kind, id);
                 let unit = factor(&submodel.units, &[1, -1, -2]);
+                // A reflected shell has its corners in the other order.
+                let exchanges = of_shell && head.points[0] == 4 && submodel.map.reflects();
                 for point in &mut points {
-                    point.stress = turned(&submodel.map, point.stress).map(|s| unit * s);
+                    point.stress = submodel.map.stress(point.stress).map(|s| unit * s);
+                    point.number = match point.number {
+                        2 if exchanges => 4,
+                        4 if exchanges => 2,
+                        other => other,
+                    };
                 }
                 if submodel.map.stretches() {
                     let message =
@@ -177,14 +191,15 @@ impl DeckStresses {
     }
 }
 
-/// Returns a stress that turns with a map.
-fn turned(map: &Affine, stress: [f64; 6]) -> [f64; 6] {
-    if !map.turns() {
-        return stress;
+/// Numbers the points of each plane of a shell in their order. So it does not matter whether those
+/// of a plane or those through the thickness follow each other.
+fn number_in_the_plane(points: &mut [InitialPoint]) {
+    let mut known: HashMap<u64, u32> = HashMap::new();
+    for point in points {
+        let number = known.entry((point.position + 0.0).to_bits()).or_default();
+        *number += 1;
+        point.number = *number;
     }
-    let [xx, yy, zz, xy, yz, zx] = stress;
-    let tensor = map.tensor([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]);
-    [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].map(|(i, j)| tensor[i][j])
 }
 
 impl DeckConverter {
@@ -243,7 +258,20 @@ impl DeckConverter {
                         self.missing(place, what, id, &known);
                         continue;
                     };
-                    let is_in = |id: &i64| ranges.iter().any(|r| (r[0]..=r[1]).contains(id));
+                    let mut ranges = ranges.clone();
+                    ranges.sort_unstable();
+                    // The largest end of the ranges so far: they may lie in each other.
+                    let ends: Vec<i64> = ranges
+                        .iter()
+                        .scan(i64::MIN, |end, range| {
+                            *end = range[1].max(*end);
+                            Some(*end)
+                        })
+                        .collect();
+                    let is_in = |id: &i64| {
+                        let before = ranges.partition_point(|range| range[0] <= *id);
+                        before > 0 && ends[before - 1] >= *id
+                    };
                     let mut members: Vec<ElemId> =
                         of_kind.iter().filter(|(id, _)| is_in(id)).map(|(_, e)| *e).collect();
                     members.sort_unstable();

@@ -8,7 +8,7 @@ use super::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 
 const LINEAR: [&str; 2] = ["CONSTRAINED_LINEAR_GLOBAL", "CONSTRAINED_LINEAR_LOCAL"];
 /// Value above which a failure strain means no failure.
@@ -72,12 +72,17 @@ impl DeckConverter {
         for line in record.lines("nid") {
             let dof = line.integer("dof");
             let place = line.place("dof");
-            let (Some(node), 1..=6) = (id(line.integer("nid")), dof) else {
+            let Some(node) = id(line.integer("nid")) else {
+                let message = format!("{}: a term has no node", record.name());
+                self.trouble.error(line.place("nid"), message, "give the id of a node, above 0");
+                return None;
+            };
+            if !(1..=6).contains(&dof) {
                 let message = format!("{}: a term has `dof` {dof}", record.name());
                 let help = "give 1 to 3 for displacements and 4 to 6 for rotations of a node";
                 self.trouble.error(place, message, help);
                 return None;
-            };
+            }
             let coefficient = line.real("coef");
             if coefficient != 0.0 {
                 terms.push((node, dof as usize - 1, coefficient, line.integer("cid")));
@@ -111,12 +116,20 @@ impl DeckConverter {
                 continue;
             }
             let (one, other) = (leader(&leaders, a), leader(&leaders, b));
+            let known = [one, other]
+                .iter()
+                .any(|node| rotations.get(node).is_some_and(|turns| *turns != (turning != 0)));
+            if known {
+                let why = "a chain of nodes of which only some have rotations in common";
+                self.unsupported_card(&record, "nid", why);
+                continue;
+            }
             let (low, high) = (one.min(other), one.max(other));
             if low != high {
                 leaders.insert(high, low);
             }
             for node in [a, b] {
-                *rotations.entry(node).or_default() |= turning != 0;
+                rotations.insert(node, turning != 0);
                 places.entry(node).or_insert((record.block, record.place("nid")));
             }
         }
@@ -128,7 +141,7 @@ impl DeckConverter {
             }
         }
         for (first, others) in groups {
-            let turns = others.iter().all(|node| rotations[node]);
+            let turns = rotations[&first];
             self.tie_to_node(first, others, turns, places[&first], "linear");
         }
     }
@@ -154,7 +167,8 @@ impl DeckConverter {
 
     /// Converts coincident nodes that move alike.
     pub(super) fn coincident_nodes(&mut self) {
-        let mut tied: BTreeSet<NodeId> = BTreeSet::new();
+        // The first of each group of tied nodes, by each of them.
+        let mut tied: BTreeMap<NodeId, NodeId> = BTreeMap::new();
         for record in self.take_records("CONSTRAINED_TIED_NODES_FAILURE") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
             let strain = record.real("eppf");
@@ -167,19 +181,39 @@ impl DeckConverter {
             }
             let mut at: BTreeMap<[u64; 3], Vec<NodeId>> = BTreeMap::new();
             for node in self.node_sets[&nsid].0.clone() {
-                if let Some(x) = self.rows.at(node).filter(|_| !tied.contains(&node)) {
+                if let Some(x) = self.rows.at(node) {
                     at.entry(x.map(|c| (c + 0.0).to_bits())).or_default().push(node);
                 }
             }
-            let mut count = 0;
-            for mut nodes in at.into_values().filter(|nodes| nodes.len() > 1) {
+            let (mut count, mut alone) = (0, 0);
+            for mut nodes in at.into_values() {
                 nodes.sort_unstable();
                 nodes.dedup();
-                tied.extend(&nodes);
-                let first = nodes.remove(0);
+                if nodes.len() < 2 {
+                    alone += 1;
+                    continue;
+                }
+                // Nodes that another set has tied stay with their group.
+                let known = nodes.iter().find_map(|node| tied.get(node).copied());
+                let first = known.unwrap_or(nodes[0]);
+                nodes.retain(|node| *node != first && !tied.contains_key(node));
+                tied.insert(first, first);
+                tied.extend(nodes.iter().map(|node| (*node, first)));
                 count += nodes.len();
-                let turns = record.integer("etype") == 0;
-                self.tie_to_node(first, nodes, turns, (record.block, place), "coincident");
+                if !nodes.is_empty() {
+                    let turns = record.integer("etype") == 0;
+                    self.tie_to_node(first, nodes, turns, (record.block, place), "coincident");
+                }
+            }
+            if alone > 0 {
+                let message = format!(
+                    "{} {nsid}: {alone} of its nodes have no other one at exactly their place, \
+                     and stay free",
+                    record.name()
+                );
+                let help = "give nodes that move alike the same coordinates, or tie them by a \
+                            *CONTACT_TIED_NODES_TO_SURFACE";
+                self.trouble.warning(place, message, help);
             }
             self.map(
                 format!("{} {nsid}", record.name()),

@@ -262,6 +262,9 @@ impl DeckConverter {
             .chunk_by(|a, b| a[0] == b[0])
             .map(|rows| (rows[0][0], rows.iter().map(|row| [row[1], row[2]]).collect()))
             .collect();
+        if curves.is_empty() {
+            return 1.0; // empty curves are reported where they stand
+        }
         match record.real("tension") {
             -1.0 => {}
             0.0 => {

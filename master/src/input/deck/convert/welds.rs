@@ -49,7 +49,11 @@ impl DeckConverter {
         }
         for record in self.take_records("CONSTRAINED_SHELL_TO_SOLID") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
-            let Some(node) = id(record.integer("nid")) else { continue };
+            let Some(node) = id(record.integer("nid")) else {
+                let message = format!("{}: `nid` is no id of a node", record.name());
+                self.trouble.error(record.place("nid"), message, "give the node of the shell");
+                continue;
+            };
             if self.node_set(nsid, place).is_some() {
                 let mut nodes: BTreeSet<NodeId> = self.node_sets[&nsid].0.iter().copied().collect();
                 nodes.insert(node);

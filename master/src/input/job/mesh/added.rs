@@ -134,14 +134,6 @@ fn placement(added: &AddedMeshInput) -> Option<Affine> {
     Some(map.then(&Affine::translation(added.shift)))
 }
 
-/// Returns a stress with the axes of a mesh that is turned by a map, without the factor on its
-/// lengths.
-fn turned(map: &Affine, stress: [f64; 6], scale: f64) -> [f64; 6] {
-    let [xx, yy, zz, xy, yz, zx] = stress;
-    let tensor = map.tensor([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]);
-    [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].map(|(i, j)| tensor[i][j] / (scale * scale))
-}
-
 /// Returns the next multiple of `round` above a number; `None` if it is too large.
 fn next_multiple(above: u64, round: u64) -> Option<u64> {
     (above / round).checked_add(1)?.checked_mul(round)
@@ -187,7 +179,8 @@ impl PlacedMesh {
         let node = |id: NodeId| NodeId(id.0 + id_offset);
         self.mesh.initial.extend(mesh.initial.iter().map(|point| InitialPoint {
             element: ElemId(point.element.0 + id_offset),
-            stress: turned(&map, point.stress, input.scale),
+            // Turned only: the map stretches by the scale.
+            stress: map.stress(point.stress).map(|s| s / (input.scale * input.scale)),
             ..*point
         }));
         let of_job = |id: u32| id + part_offset;

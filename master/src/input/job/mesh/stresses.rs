@@ -37,7 +37,8 @@ pub(super) fn assign(mesh: &mut Mesh, rows: &[[f64; 10]], path: &str, few: &mut 
             let message = format!("element {id}: `{}` is no number of a point", row[1]);
             few.error("point", path(), message, ROW);
         }
-        let position = if element.shape.is_shell() { row[2] } else { 0.0 };
+        // A sum has no negative zero.
+        let position = if element.shape.is_shell() { row[2] + 0.0 } else { 0.0 };
         if !(-1.0..=1.0).contains(&position) {
             let message = format!("element {id}: its point is at {position:?}");
             few.error("position", path(), message, "a position is from -1 to 1");

@@ -180,10 +180,9 @@ pub(super) fn strength(spec: &TieInput, corners: [NodeId; 4]) -> Option<TieStren
 }
 
 /// Reports ties that can fail between elements of parts, or at nodes, with a gravity or a damping
-/// of their own.
-/// Its force on the mass of the slaves is not known to their ties, and after a failure slaves and
+/// of their own. Its force on the mass of the slaves is not known to their ties, and after a failure slaves and
 /// masters would keep the shares that they had together.
-pub(super) fn refuse_loads_of_parts(
+pub(super) fn refuse_partial_loads(
     job: &Job,
     mesh: &Mesh,
     ties: &[Tie],
@@ -201,7 +200,8 @@ pub(super) fn refuse_loads_of_parts(
     };
     let parts: HashSet<u32> = mesh.elements.iter().filter(meets).map(|e| e.part).collect();
     let sets = job.gravity.iter().enumerate().filter_map(|(i, g)| Some((i, g.nodes.as_ref()?)));
-    let tied: HashSet<NodeId> = mesh.elements.iter().filter(meets).flat_map(|e| e.nodes).collect();
+    let tied: HashSet<NodeId> =
+        mesh.elements.iter().filter(meets).flat_map(|e| e.corners().to_vec()).collect();
     for (entry, name) in sets {
         let own = mesh.node_sets.get(name).into_iter().flatten();
         if let Some(node) = own.into_iter().find(|node| tied.contains(node)) {

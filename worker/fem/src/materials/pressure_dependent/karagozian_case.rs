@@ -10,7 +10,7 @@
 //! [`compaction`](super::compaction). e is the equivalent plastic strain, e_p the plastic dilation:
 //! it presses the material, with the pressure of the volume without it. The deviator returns along
 //! its radius, so omega takes the part of the flow along p that is associated. Mean tension is at
-//! most r_f f_t, beyond the peak eta of it.
+//! most r_f f_t, beyond the peak eta of it, and no more than where it has torn before.
 //!
 //! The factor r_f of the rate is a curve, with rates below 0 for tension; between p = 0 and
 //! `p = f_c/3` it goes from that of tension to that of compression. The shear modulus follows that
@@ -102,11 +102,13 @@ pub const LAW: Law = Law {
     cohesive: None,
 };
 
-/// Own columns: lambda, plastic dilation, largest compaction, damage.
+/// Own columns: lambda, plastic dilation, largest compaction, damage, and the least mean tension at
+/// which the material has torn, 0 before [force/length^2].
 const LAMBDA: usize = 0;
 const DILATION: usize = 1;
 const MOST: usize = 2;
 const BREAK: usize = 3;
+const TORN_AT: usize = 4;
 
 struct KaragozianCase {
     /// Elastic constants at the start.
@@ -156,9 +158,9 @@ fn read(mut parameters: Parameters<'_>) -> Result<KaragozianCase, Vec<Problem>> 
         table.wrong(TENSION, what, "concrete has about a tenth of it");
     }
     let (eta, peak) = damage_curve(table);
-    let wanted = "[b1, b2, b3], b1 and b3 0 or above";
-    let scaling =
-        needed_constants(table, SCALING, wanted, |b: &[f64; 3]| b[0] >= 0.0 && b[2] >= 0.0);
+    let wanted = "[b1, b2, b3], b1 from 0 to 10, b2 from -10 to 10, b3 0 or above";
+    let fits = |b: &[f64; 3]| (0.0..=10.0).contains(&b[0]) && b[1].abs() <= 10.0 && b[2] >= 0.0;
+    let scaling = needed_constants(table, SCALING, wanted, fits);
     let wanted = "[omega, edrop], omega from 0 to 1, edrop 0 or above";
     let fits = |d: &[f64; 2]| (0.0..=1.0).contains(&d[0]) && d[1] >= 0.0;
     let dilatancy = constants(table, DILATANCY, wanted, fits);
@@ -252,6 +254,7 @@ impl PointLaw for KaragozianCase {
             "plastic dilation",
             "largest volume strain",
             "damage",
+            "torn at",
         ]
     }
 
@@ -276,13 +279,15 @@ impl PointLaw for KaragozianCase {
         let damage = self.damage(own[LAMBDA]);
         let left = if damage.softens { damage.eta } else { 1.0 };
         // 2. Pressure of the volume without the plastic dilation, and the limit of tension.
-        let (volume, before_flow) = (common[VOLUME], own[DILATION]);
+        let (volume, before_flow, torn_at) = (common[VOLUME], own[DILATION], own[TORN_AT]);
         let mut most = own[MOST];
         let mut pressure_at = |dilation: f64| {
             let compressed = dilation - volume;
             most = most.max(compressed);
             let free = self.compaction.pressure(most, compressed);
             let limit = left * self.factor(free, rate) * self.surfaces.tension;
+            // A crack that opened slowly does not pull more when it closes fast.
+            let limit = if torn_at > 0.0 { limit.min(torn_at) } else { limit };
             (free.max(-limit), free < -limit)
         };
         let (first, is_torn) = pressure_at(before_flow);
@@ -306,6 +311,9 @@ impl PointLaw for KaragozianCase {
         let more = dilation - before_flow;
         own[DILATION] = dilation;
         own[MOST] = most;
+        if torn {
+            own[TORN_AT] = -pressure;
+        }
         common[PLASTIC] += flow;
         // 4. Damage.
         let equivalent = (2.0 / 9.0 * more).mul_add(more, flow * flow).sqrt();

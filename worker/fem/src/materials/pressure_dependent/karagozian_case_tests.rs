@@ -261,6 +261,24 @@ fn closed_paths_of_concrete_cost_work() {
     }
 }
 
+/// A crack that opens slowly and closes fast, with the strength of a high rate, gives no energy.
+#[test]
+fn a_crack_that_closes_fast_gives_no_energy() {
+    let fast = ("rate_factors", table(&[[-1.0, 3.0], [0.0, 1.0], [1.0, 1.5]]));
+    let mut cube = Cube::new(&concrete(&[fast]));
+    let open = 1e-6;
+    for _ in 0..500 {
+        cube.step([open, open, open, 0.0, 0.0, 0.0], 1e3);
+    }
+    let opened = cube.work;
+    assert!(opened > 0.0);
+    for k in 0..500 {
+        let shear = if k % 2 == 0 { 1e-7 } else { -1e-7 };
+        cube.step([-open, -open, -open, shear, 0.0, 0.0], 1e-8);
+    }
+    assert!(cube.work > 0.0, "{} of {opened}", cube.work);
+}
+
 #[test]
 fn wrong_constants_of_concrete_are_refused() {
     let text = problems(&material("karagozian_case_concrete", &[], &[]));
