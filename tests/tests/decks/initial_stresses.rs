@@ -85,6 +85,42 @@ fn dynain_files_run() {
     }
 }
 
+/// Stresses turn with their file and have its units; a mirror exchanges the corners 2 and 4, and so
+/// the points at them. The points of a plane may follow each other, or those through the thickness.
+#[test]
+fn stresses_turn_with_their_file() {
+    let shell = "*NODE\n101,0,0,0\n102,10,0,0\n103,10,10,0\n104,0,10,0\n\
+                 *ELEMENT_SHELL\n101,1,101,102,103,104\n";
+    let by_layer = "-0.5,1\n-0.5,2\n-0.5,3\n-0.5,4\n0.5,5\n0.5,6\n0.5,7\n0.5,8\n";
+    let by_plane = "-0.5,1\n0.5,5\n-0.5,2\n0.5,6\n-0.5,3\n0.5,7\n-0.5,4\n0.5,8\n";
+    for (transformation, component, order) in
+        [("ROTATE,0,0,1,0,0,0,90", 1, [1, 2, 3, 4]), ("MIRROR,0,0,0,1,0,0", 0, [1, 4, 3, 2])]
+    {
+        for points in [by_layer, by_plane] {
+            let folder = tempfile::tempdir().unwrap();
+            let part = format!("*KEYWORD\n{shell}*INITIAL_STRESS_SHELL\n101,4,2\n{points}*END\n");
+            fs::write(folder.path().join("part.k"), part).unwrap();
+            let path = folder.path().join("deck.k");
+            let main = format!(
+                "{BASE}{FLOWS}*DEFINE_TRANSFORMATION\n7\n{transformation}\n\
+                 *INCLUDE_TRANSFORM\npart.k\n0,0,0,0,0,0,0\n0\n1000,1,1\n7\n*END\n"
+            );
+            fs::write(&path, main).unwrap();
+            let model = read(&path, &[]).unwrap_or_else(|report| panic!("{report}"));
+            let found = of_element(&model.mesh.initial, ElemId(101));
+            assert_eq!(found.len(), 8);
+            for point in found {
+                let written = order[point.number as usize - 1];
+                let layer = if point.position < 0.0 { 0 } else { 4 };
+                let expected = 1000.0 * f64::from(written + layer);
+                assert!((point.stress[component] / expected - 1.0).abs() < 1e-12, "{point:?}");
+                let others = (0..6).filter(|&c| c != component);
+                assert!(others.map(|c| point.stress[c].abs()).fold(0.0, f64::max) < 1e-9);
+            }
+        }
+    }
+}
+
 /// Between and beyond the given points the stress is linear, the plastic strain constant beyond
 /// them: at Gauss points at -sqrt(0.6), 0 and sqrt(0.6).
 #[test]

@@ -246,6 +246,32 @@ fn a_reflected_file_is_not_inside_out() {
     assert!(top(&found) > 0.0 && top(&plain) > 0.0, "normals are upwards in both");
 }
 
+/// Vectors turn with their file, once also if they are along the axes of a system of the file; the
+/// amount of a rotation has no length.
+#[test]
+fn motions_along_vectors_turn_with_their_file() {
+    let main = "*DEFINE_TRANSFORMATION\n7\nROTATE,0,0,1,0,0,0,90\n\
+                *INCLUDE_TRANSFORM\npart.k\n0,0,0,0,0,0,0\n0\n1,1,1000\n7\n";
+    for (system, cid) in [("", 0), ("*DEFINE_COORDINATE_VECTOR\n4,1,0,0,0,1,0\n", 4)] {
+        let part = format!(
+            "*SET_NODE_LIST\n5\n1,2\n{system}*DEFINE_VECTOR\n6,0,0,0,2.0,0,0,{cid}\n\
+             *DEFINE_CURVE\n11\n0,3.0\n20,3.0\n*DEFINE_CURVE\n12\n0,3.0\n20,3.0\n\
+             *BOUNDARY_PRESCRIBED_MOTION_SET\n5,8,0,11,1.0,6\n5,4,0,12,1.0,6\n"
+        );
+        let found = model(main, &part);
+        let [turns, moves] = &found.job.motion[..] else { panic!("two motions") };
+        assert_eq!((&turns.dofs[..], turns.spin), (&["ry".to_string()][..], Some([0.0, 1.0, 0.0])));
+        let along = (&moves.dofs[..], moves.velocity);
+        assert_eq!(along, (&["y".to_string()][..], Some([0.0, 1.0, 0.0])));
+        let most = |name: &Option<String>| {
+            let curve = found.job.curve.iter().find(|c| Some(&c.name) == name.as_ref()).unwrap();
+            curve.points[1][1]
+        };
+        assert_eq!([most(&turns.curve), most(&moves.curve)], [3.0, 3000.0], "cid {cid}");
+        assert!(!found.warnings.iter().any(|w| w.message.contains("turns, but its degrees")));
+    }
+}
+
 /// A node set is moved by itself; other nodes stay.
 #[test]
 fn a_node_set_is_moved() {
