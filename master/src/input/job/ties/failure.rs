@@ -180,8 +180,8 @@ pub(super) fn strength(spec: &TieInput, corners: [NodeId; 4]) -> Option<TieStren
 }
 
 /// Reports ties that can fail between elements of parts, or at nodes, with a gravity or a damping
-/// of their own. Its force on the mass of the slaves is not known to their ties, and after a failure
-/// slaves and masters would keep the shares that they had together.
+/// of their own. Its force on the mass of the slaves is not known to their ties, and after a
+/// failure slaves and masters would keep the shares that they had together.
 pub(super) fn refuse_partial_loads(
     job: &Job,
     mesh: &Mesh,
