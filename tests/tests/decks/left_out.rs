@@ -15,7 +15,7 @@ const UNSUPPORTED: &str = "*PART\nbeams\n3,3,3\nsprings\n4,4,4\nfoil\n5,5,1\n*SE
     24,0,10,30\n*ELEMENT_BEAM\n1,3,21,22\n*ELEMENT_DISCRETE\n1,4,21,22\n*ELEMENT_SHELL_THICKNESS\n\
     7,5,21,22,23,24\n0.1,0.1,0.1,0.1\n8,1,11,12,15,14\n0.5,0.5,0.5,0.5\n\
     *MAT_ELASTIC_FLUID\n3,7.85e-6,207.0,0.3\n*MAT_SPRING_SQUIB\n4,1.0\n*SECTION_FPD\n5,1\n\
-    *MAT_ADD_EROSION\n3\n,0.3\n*SET_NODE_INTERSECT_TITLE\nboth\n7\n1,2\n\
+    *MAT_ADD_EROSION\n3\n,0.3\n*SET_NODE_LIST_SMOOTH_TITLE\nboth\n7\n1,2\n\
     *BOUNDARY_SPC_SET\n7,0,1,1,1\n*SET_NODE_ADD\n9\n7,10\n*SET_NODE_LIST\n10\n1,2\n\
     *SET_PART_COLLECT\n8\n3\n*CONTACT_AUTOMATIC_SINGLE_SURFACE\n8,0,2,0\n\n\n\
     *LOAD_NODE_SET\n10,1,9\n\
@@ -49,7 +49,7 @@ fn follow_up_errors_of_unsupported_cards_are_none() {
     for words in [
         "part 4 and its elements are left out: it needs mid 4",
         "part 5 and its elements are left out: it needs secid 5",
-        "there is no *SET_NODE_... with the id 7: *SET_NODE_INTERSECT_TITLE is not supported",
+        "there is no *SET_NODE_... with the id 7: *SET_NODE_LIST_SMOOTH_TITLE is not supported",
         "there is no *DEFINE_CURVE with the id 9: *DEFINE_FUNCTION is not supported",
         "there is no *SET_PART_... with the id 8",
         "there is no *PART with the id 3: part 3 is left out",
