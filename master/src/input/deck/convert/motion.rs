@@ -35,7 +35,7 @@ pub struct DeckFix {
 }
 
 /// Direction and degrees of freedom of a prescribed motion.
-struct Course {
+struct DirectedMotion {
     /// Unit vector along the motion, or along the axis of the rotation.
     direction: [f64; 3],
     /// Names of the degrees of freedom.
@@ -327,7 +327,7 @@ impl DeckConverter {
     }
 
     /// Returns what a card prescribes of nodes or of a rigid body, as `key` says.
-    fn course(&mut self, record: &CardRecord, key: &str) -> Option<Course> {
+    fn course(&mut self, record: &CardRecord, key: &str) -> Option<DirectedMotion> {
         let (dof, vad) = (record.integer("dof"), record.integer("vad"));
         let (translations, rotations) = (["x", "y", "z"], ["rx", "ry", "rz"]);
         let unit = |axis: usize| [0, 1, 2].map(|c| if c == axis { 1.0 } else { 0.0 });
@@ -335,17 +335,17 @@ impl DeckConverter {
             1..=3 => {
                 let axis = dof as usize - 1;
                 let dofs = vec![translations[axis]];
-                Some(Course { direction: unit(axis), dofs, rotation: false })
+                Some(DirectedMotion { direction: unit(axis), dofs, rotation: false })
             }
             5..=7 => {
                 let axis = dof as usize - 5;
                 let dofs = vec![rotations[axis]];
-                Some(Course { direction: unit(axis), dofs, rotation: true })
+                Some(DirectedMotion { direction: unit(axis), dofs, rotation: true })
             }
             9..=11 if matches!(vad, 0 | 2) && key == "nodes" => {
                 let axis = dof as usize - 9;
                 let dofs = [1, 2].map(|next| translations[(axis + next) % 3]).to_vec();
-                Some(Course { direction: unit(axis), dofs, rotation: true })
+                Some(DirectedMotion { direction: unit(axis), dofs, rotation: true })
             }
             4 | 8 | -4 | -8 => {
                 let lost = "the motion is left out";
@@ -370,7 +370,7 @@ impl DeckConverter {
                         return None;
                     }
                 };
-                Some(Course { direction, dofs, rotation: dof.abs() == 8 })
+                Some(DirectedMotion { direction, dofs, rotation: dof.abs() == 8 })
             }
             _ => {
                 self.unsupported_card(
@@ -393,7 +393,9 @@ impl DeckConverter {
             let help = "give a death above the birth, or 0 for none";
             return self.trouble.error(record.place("death"), message, help);
         }
-        let Some(Course { direction, dofs, rotation }) = self.course(record, key) else { return };
+        let Some(DirectedMotion { direction, dofs, rotation }) = self.course(record, key) else {
+            return;
+        };
         let form = match (vad, rotation) {
             (0, false) => "velocity",
             (1, false) => "acceleration",
