@@ -19,7 +19,7 @@ use std::process::Command;
 use std::time::{Duration, Instant, SystemTime};
 
 /// Rounds of the suite.
-const ROUNDS: u64 = 6;
+const ROUNDS: u64 = 4;
 /// Scenes and their numbers of cycles: some seconds for each on one worker of a busy machine.
 const SCENES: [(&str, u64); 6] = [
     ("tumble", 3000),

@@ -65,8 +65,8 @@ fn a_test_at_a_constant_rate_has_its_curve() {
         [(RUBBER, false), (RUBBER, true), (FOAM, false), (FOAM, true), (("poisson", 0.0), false)]
     {
         let law = by_rate(key, nominal);
-        for [rate, factor] in [[0.01, 1.0], [0.55, 1.15], [1.0, 1.3], [5.5, 1.65], [50.0, 2.0]] {
-            for strain in [-0.5, 0.4, 1.5] {
+        for [rate, factor] in [[0.01, 1.0], [0.55, 1.15], [5.5, 1.65], [50.0, 2.0]] {
+            for strain in [-0.5, 1.5] {
                 let mut cube = Cube::new(&law);
                 stretch_at(&mut cube, 1.0 + strain, 500, (rate, nominal));
                 let off = nominal_stress(&cube) / (factor * slowest(strain)) - 1.0;
