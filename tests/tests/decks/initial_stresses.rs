@@ -216,7 +216,7 @@ fn wrong_stresses_are_named() {
     for (lines, words) in [
         ("_SHELL\n77\n0,0.1\n", "there is no shell with the id 77"),
         ("_SHELL\n1,1,2\n0,0.1\n", "ends before the points of element 1"),
-        ("_SHELL\n1,1,2\n0,0.1\n0,0.2\n", "two points at one place"),
+        ("_SHELL\n1,1,2\n0,0.1\n0,0.2\n", "has 2 points at one place"),
         ("_SHELL\n1\n1.5,0.1\n", "a position outside of the thickness"),
         ("_SHELL\n1\n0,0,0,0,0,0,0,-0.1\n", "a plastic strain below 0"),
         ("_SHELL\n1,1,1,0,6\n0,0.1\n0\n", "has `ntensr`"),

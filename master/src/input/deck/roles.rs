@@ -395,6 +395,7 @@ const ROLES: &[(&str, &str)] = &[
     ("DEFINE_SD_ORIENTATION", "iop=1 xt=@d"),
     ("DEFINE_VECTOR", "xt=@x xh=@x"),
     ("DEFINE_COORDINATE_SYSTEM", "xo=@x xl=@x xp=@x"),
+    ("DEFINE_COORDINATE_VECTOR", "xx=@d xv=@d"),
     ("DEFINE_COORDINATE_NODES", "flag=1"),
     ("BOUNDARY_SPC*", "dofx=1 dofy=1 dofz=1 dofrx=1 dofry=1 dofrz=1 birth=t death=t"),
     ("BOUNDARY_NON_REFLECTING", "ad=1 as=1"),

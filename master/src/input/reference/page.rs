@@ -324,7 +324,9 @@ fn split(meaning: &str) -> (String, Option<String>) {
     for (open, _) in meaning.match_indices('[') {
         let Some(length) = meaning[open..].find(']') else { continue };
         let inside = &meaning[open + 1..open + length];
-        if is_dimension(inside) {
+        // Names of lists are in two brackets.
+        let is_name = inside.starts_with('[') || meaning[..open].ends_with('[');
+        if !is_name && is_dimension(inside) {
             let (before, after) = (meaning[..open].trim_end(), &meaning[open + length + 1..]);
             return (format!("{before}{after}"), Some(inside.to_string()));
         }
@@ -365,6 +367,7 @@ mod tests {
         );
         assert_eq!(cut("`[time, factor]` pairs."), ("`[time, factor]` pairs.".into(), None));
         assert_eq!(cut("Two, `[0.06, 1.5]`."), ("Two, `[0.06, 1.5]`.".into(), None));
+        assert_eq!(cut("Those of `[[mass]]`."), ("Those of `[[mass]]`.".into(), None));
     }
 
     /// Every key of every table needs a description; a new key without one fails here.

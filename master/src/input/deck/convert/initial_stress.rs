@@ -121,6 +121,17 @@ impl DeckStresses {
             }
             if of_shell {
                 number_in_the_plane(&mut points);
+                let most = points.iter().map(|point| point.number).max().unwrap_or(0);
+                if most as usize > head.points[0] {
+                    let message = format!(
+                        "{}: element {id} has {most} points at one place through the thickness, \
+                         and {} in its plane",
+                        block.shown(),
+                        head.points[0]
+                    );
+                    let help = "give nplane points at each of nthick positions from -1 to 1";
+                    cards.trouble.error(place, message, help);
+                }
             }
             let mut id = id;
             if let Some((submodel, _)) = &cards.submodel {

@@ -20,6 +20,14 @@ impl DeckConverter {
                 (point(["xo", "yo", "zo"]), point(["xl", "yl", "zl"]), point(["xp", "yp", "zp"]));
             self.system(&record, o, l, p);
         }
+        for record in self.take_records("DEFINE_COORDINATE_VECTOR") {
+            if record.integer("nid") != 0 {
+                self.unsupported_value(&record, "nid", "axes that rotate with a node");
+            }
+            let vector = |names: [&str; 3]| names.map(|n| record.real(n));
+            let (x, in_plane) = (vector(["xx", "yx", "zx"]), vector(["xv", "yv", "zv"]));
+            self.system(&record, [0.0; 3], x, in_plane);
+        }
         for record in self.take_records("DEFINE_COORDINATE_NODES") {
             let dir = record.word("dir");
             if !(dir.is_empty() || dir.eq_ignore_ascii_case("x")) {

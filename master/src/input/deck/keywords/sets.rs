@@ -249,6 +249,12 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[no_effect("immed", "sets are those of the whole deck in any case")]),
     Keyword::new(
+        "DEFINE_COORDINATE_VECTOR",
+        &[("heading:l", Count(title)), ("cid:i! xx:r yx:r zx:r xv:r yv:r zv:r nid:i", Once)],
+        "the same by the x axis and a vector in the x-y plane",
+    )
+    .options(&["TITLE"]),
+    Keyword::new(
         "DEFINE_COORDINATE_NODES",
         &[("heading:l", Count(title)), ("cid:i! n1:i! n2:i! n3:i! flag:i dir:a", Once)],
         "the same by three nodes at their initial positions",
