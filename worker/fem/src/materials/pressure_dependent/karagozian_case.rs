@@ -198,7 +198,8 @@ fn damage_curve(parameters: &mut Parameters<'_>) -> (RampCurve, f64) {
     let (before, behind) = points.split_at(top.unwrap_or(0));
     let rises = before.windows(2).all(|two| two[0][1] <= two[1][1]);
     let falls = behind.windows(2).all(|two| two[0][1] >= two[1][1]);
-    if !points.is_empty() && !(top.is_some_and(|top| top > 0) && rises && falls) {
+    let has_peak = top.is_some_and(|top| top > 0) && rises && falls;
+    if !points.is_empty() && !has_peak {
         let help = "let eta rise to 1 at some lambda above 0, and not rise behind it";
         parameters.wrong(CURVE, "has no peak of 1", help);
     }

@@ -201,9 +201,12 @@ fn check(parameters: &mut Parameters<'_>, key: &str, curves: &[(f64, TestCurve)]
     }
 }
 
+/// Rate of a test [1/time], and its points of nominal strain and stress [-, force/length^2].
+type RatedTest = (f64, Vec<[f64; 2]>);
+
 /// Returns the key of the curves, and the points of each with its rate; `None` if they are missing
 /// or wrong.
-fn tests(parameters: &mut Parameters<'_>) -> Option<(&'static str, Vec<(f64, Vec<[f64; 2]>)>)> {
+fn tests(parameters: &mut Parameters<'_>) -> Option<(&'static str, Vec<RatedTest>)> {
     let curve = parameters.rows::<2>(CURVE, "[strain, stress]");
     let by_rate = parameters.rows::<3>(BY_RATE, "[rate, strain, stress]");
     let (key, rows) = match (curve, by_rate) {
@@ -222,7 +225,7 @@ fn tests(parameters: &mut Parameters<'_>) -> Option<(&'static str, Vec<(f64, Vec
     if rows.is_empty() {
         return None;
     }
-    let curves: Vec<(f64, Vec<[f64; 2]>)> = rows
+    let curves: Vec<RatedTest> = rows
         .chunk_by(|a, b| a[0] == b[0])
         .map(|rows| (rows[0][0], rows.iter().map(|row| [row[1], row[2]]).collect()))
         .collect();
