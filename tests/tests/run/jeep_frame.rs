@@ -25,7 +25,7 @@ fn check_gives_the_papers_counts_and_no_warning() {
 /// horns begin to fold at the wall, and the first folds touch.
 #[test]
 fn ten_milliseconds_give_one_state_on_any_number_of_workers() {
-    let runs = [1, 7].map(|workers| jeep(workers, "10"));
+    let runs = [1, 3, 7].map(|workers| jeep(workers, "10"));
     for r in &runs {
         assert_eq!(r.digest(), runs[0].digest(), "{} workers", r.summary()["workers"]);
         balances(r);
