@@ -71,6 +71,14 @@ fn coincident_nodes_are_tied() {
         assert!(ties.contains(&pair), "{ties:?}");
     }
     assert!(said(&model).contains("2 nodes tied to others at their places"));
+    // A node of two sets joins their groups; one without another at its place is a warning.
+    let third = "*NODE\n31,20,0,12\n32,20,-10,12\n33,10,-10,12\n34,10,0,12\n\
+                 *ELEMENT_SHELL\n12,3,31,34,33,32\n*SET_NODE_LIST\n8\n21,31,33\n";
+    let cards = "*CONSTRAINED_TIED_NODES_FAILURE\n9,0.0,0\n*CONSTRAINED_TIED_NODES_FAILURE\n8\n";
+    let model = with(&format!("{more}{third}{cards}"));
+    let of_13 = model.job.tie.iter().find(|tie| tie.node == Some(13)).expect("a tie");
+    assert_eq!(set(&model, &of_13.nodes), [21, 31]);
+    assert!(said(&model).contains("1 of its nodes have no other one"));
     let fails = format!("{BASE}{STEEL}{MOVES}{more}*CONSTRAINED_TIED_NODES_FAILURE\n9,0.1\n");
     assert_refused(&fails, &["`eppf` = 0.1", "fail by the plastic strain"]);
 }

@@ -63,7 +63,7 @@ impl DeckConverter {
         for (dof, (nodes, place)) in held {
             self.fix_nodes("linear", vec![DOFS[dof]], nodes, place);
         }
-        self.common_motions(pairs);
+        self.common_motions(pairs, ("linear", "nid"));
     }
 
     /// Returns the terms of an equation with a coefficient other than 0.
@@ -91,8 +91,13 @@ impl DeckConverter {
         Some(terms)
     }
 
-    /// Ties nodes that have all displacements in common. Chains of them follow one node.
-    fn common_motions(&mut self, pairs: BTreeMap<(NodeId, NodeId, i64), CommonMotion>) {
+    /// Ties nodes that have all displacements in common. Chains of them follow one node. The sets
+    /// are named after `what`; `field` of the cards has their nodes.
+    fn common_motions(
+        &mut self,
+        pairs: BTreeMap<(NodeId, NodeId, i64), CommonMotion>,
+        (what, field): (&str, &str),
+    ) {
         let mut leaders: HashMap<NodeId, NodeId> = HashMap::new();
         let leader = |leaders: &HashMap<NodeId, NodeId>, mut node: NodeId| {
             while let Some(&next) = leaders.get(&node) {
@@ -112,7 +117,7 @@ impl DeckConverter {
                      with all rotations or none",
                     named.join(", ")
                 );
-                self.unsupported_card(&record, "nid", &why);
+                self.unsupported_card(&record, field, &why);
                 continue;
             }
             let (one, other) = (leader(&leaders, a), leader(&leaders, b));
@@ -121,7 +126,7 @@ impl DeckConverter {
                 .any(|node| rotations.get(node).is_some_and(|turns| *turns != (turning != 0)));
             if known {
                 let why = "a chain of nodes of which only some have rotations in common";
-                self.unsupported_card(&record, "nid", why);
+                self.unsupported_card(&record, field, why);
                 continue;
             }
             let (low, high) = (one.min(other), one.max(other));
@@ -130,7 +135,7 @@ impl DeckConverter {
             }
             for node in [a, b] {
                 rotations.insert(node, turning != 0);
-                places.entry(node).or_insert((record.block, record.place("nid")));
+                places.entry(node).or_insert((record.block, record.place(field)));
             }
         }
         let mut groups: BTreeMap<NodeId, Vec<NodeId>> = BTreeMap::new();
@@ -142,7 +147,7 @@ impl DeckConverter {
         }
         for (first, others) in groups {
             let turns = rotations[&first];
-            self.tie_to_node(first, others, turns, places[&first], "linear");
+            self.tie_to_node(first, others, turns, places[&first], what);
         }
     }
 
@@ -167,8 +172,7 @@ impl DeckConverter {
 
     /// Converts coincident nodes that move alike.
     pub(super) fn coincident_nodes(&mut self) {
-        // The first of each group of tied nodes, by each of them.
-        let mut tied: BTreeMap<NodeId, NodeId> = BTreeMap::new();
+        let mut pairs: BTreeMap<(NodeId, NodeId, i64), CommonMotion> = BTreeMap::new();
         for record in self.take_records("CONSTRAINED_TIED_NODES_FAILURE") {
             let (nsid, place) = (record.integer("nsid"), record.place("nsid"));
             let strain = record.real("eppf");
@@ -193,16 +197,12 @@ impl DeckConverter {
                     alone += 1;
                     continue;
                 }
-                // Nodes that another set has tied stay with their group.
-                let known = nodes.iter().find_map(|node| tied.get(node).copied());
-                let first = known.unwrap_or(nodes[0]);
-                nodes.retain(|node| *node != first && !tied.contains_key(node));
-                tied.insert(first, first);
-                tied.extend(nodes.iter().map(|node| (*node, first)));
-                count += nodes.len();
-                if !nodes.is_empty() {
-                    let turns = record.integer("etype") == 0;
-                    self.tie_to_node(first, nodes, turns, (record.block, place), "coincident");
+                count += nodes.len() - 1;
+                let turns = if record.integer("etype") == 0 { ROTATIONS } else { 0 };
+                for &node in &nodes[1..] {
+                    let motion =
+                        CommonMotion { dofs: DISPLACEMENTS | turns, record: record.clone() };
+                    pairs.insert((nodes[0], node, 0), motion);
                 }
             }
             if alone > 0 {
@@ -221,5 +221,6 @@ impl DeckConverter {
                 format!("{count} nodes tied to others at their places"),
             );
         }
+        self.common_motions(pairs, ("coincident", "nsid"));
     }
 }
