@@ -201,6 +201,10 @@ pub struct JobOptions {
     /// under mpirun, ranks - 1].
     #[arg(long, value_name = "N", value_parser = workers)]
     pub workers: Option<usize>,
+    /// Number of threads of each worker, which share its loops [default: parallel.threads of the
+    /// job, else 1].
+    #[arg(long, value_name = "N", value_parser = workers)]
+    pub threads: Option<usize>,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     set: Vec<String>,
     /// Ignore unsupported content of a deck or a mesh file instead of failing; summary.json lists
@@ -564,7 +568,8 @@ impl JobOptions {
     pub fn sets(&self) -> Vec<String> {
         let allowed = self.allow_unsupported.then(|| "mesh.allow_unsupported=true".to_string());
         let case = self.case.map(|case| format!("mesh.case={case}"));
-        self.set.iter().cloned().chain(allowed).chain(case).collect()
+        let threads = self.threads.map(|threads| format!("parallel.threads={threads}"));
+        self.set.iter().cloned().chain(allowed).chain(case).chain(threads).collect()
     }
 
     /// Returns all `key=value`, in order, with the time at which the run ends as the last.

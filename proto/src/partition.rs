@@ -99,6 +99,8 @@ pub struct Settings {
     pub force_every: u64,
     /// The workers that search for contact.
     pub contact_decomposition: ContactDecomposition,
+    /// Number of threads of each worker.
+    pub threads: usize,
 }
 
 /// The workers that search for contact.

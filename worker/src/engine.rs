@@ -18,6 +18,7 @@ use crate::fem::particles::Particles;
 use crate::histories::{Histories, HistoryState};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
+use crate::math::threads;
 use crate::nodes::Nodes;
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes};
 use crate::parallel::ghosts::Ghosts;
@@ -119,6 +120,7 @@ impl Engine {
         tree: CutTree,
         share: PartitionData,
     ) -> Result<Self, RankLost> {
+        start_threads(&settings);
         let cuts = Cuts { boxes: &tree, contact: None };
         let mut local = build_local_mesh(comm, &settings, cuts, share, true)?;
         // From here on it is in the histories of the elements.
@@ -578,6 +580,14 @@ impl Engine {
         };
         self.clock.rows += 1;
         post(comm, 0, Tag::Report, &ToMaster::History(Box::new(row)))
+    }
+}
+
+/// Starts the threads of this worker. If the system refuses, the worker has one thread; results
+/// have the same bits.
+pub(super) fn start_threads(settings: &Settings) {
+    if let Err(why) = threads::start(settings.threads) {
+        tracing::warn!(why, "the worker has a single thread");
     }
 }
 

@@ -13,6 +13,7 @@ use crate::engine::{Engine, StepConsensus, StepFailure};
 use crate::fem::blocks::Blocks;
 use crate::parallel::partition::PartitionData;
 use crate::time::Clock;
+use crate::timer::busy;
 use crate::{output, step::step};
 use crumple_proto::boxes::{Aabb, CutTree};
 use crumple_proto::checkpoint::FileRecord;
@@ -25,7 +26,7 @@ use crumple_proto::report::{
 };
 use crumple_proto::steering::Steer;
 use crumple_proto::trace::{Event, OrderKind};
-use crumple_proto::transport::{RankLost, Tag, Traffic, Transport, thread_cpu};
+use crumple_proto::transport::{RankLost, Tag, Traffic, Transport};
 use crumple_proto::wire::{await_message, poll_message, post};
 use std::collections::VecDeque;
 use std::path::Path;
@@ -107,6 +108,7 @@ pub fn serve(comm: &mut dyn Transport) -> Result<(), RankLost> {
     let _run = tracing::info_span!("run", rank = comm.rank()).entered();
     tracing::info!(cycle, time, elements = worker.engine.blocks.elements.len(), "worker starts");
     disk::set_patience(Duration::from_secs_f64(worker.engine.settings.checkpoint.patience));
+    worker.warn_of_few_cores(comm)?;
     if trace {
         worker.engine.timer.record(comm)?;
         worker.engine.record_classes();
@@ -246,7 +248,7 @@ impl RunningWorker {
                     break;
                 }
             }
-            self.cpu_before = thread_cpu().saturating_sub(comm.wait_cpu());
+            self.cpu_before = busy(comm);
             let force_every = self.engine.settings.force_every;
             if force_every > 0 && (self.engine.clock.cycle + 1).is_multiple_of(force_every) {
                 self.engine.agreement.displacement =
@@ -370,7 +372,7 @@ impl RunningWorker {
 
     /// Returns the CPU time of the cycle so far, without waiting.
     fn cycle_cpu(&self, comm: &dyn Transport) -> Duration {
-        thread_cpu().saturating_sub(comm.wait_cpu()).saturating_sub(self.cpu_before)
+        busy(comm).saturating_sub(self.cpu_before)
     }
 
     /// Returns the CPU time by phase since the last report [s]: that of the sampled cycle, scaled

@@ -4,6 +4,7 @@
 //! So CPU time by phase is measured in one of [`SAMPLE_EVERY`] cycles.
 
 use crate::trace::Recorder;
+use crate::math::threads;
 use crumple_proto::report::{PHASES, Phase, PhaseSeconds};
 use crumple_proto::transport::{RankLost, Transport, thread_cpu};
 use std::time::{Duration, Instant};
@@ -38,9 +39,10 @@ impl Default for Timer {
     }
 }
 
-/// Returns the CPU time of this thread without waiting for messages.
-fn busy(comm: &dyn Transport) -> Duration {
-    thread_cpu().saturating_sub(comm.wait_cpu())
+/// Returns the CPU time so far of this worker, which are this thread and its helpers, without
+/// waiting for messages.
+pub fn busy(comm: &dyn Transport) -> Duration {
+    (thread_cpu() + threads::helper_cpu()).saturating_sub(comm.wait_cpu())
 }
 
 impl Timer {

@@ -349,11 +349,13 @@ pub struct Summary {
     pub elements: BTreeMap<String, usize>,
     /// Number of workers.
     pub workers: usize,
+    /// Number of threads of each worker.
+    pub threads: usize,
     /// `threads` or `mpi`.
     pub transport: String,
     /// Wall time of the run [s].
     pub wall_s: f64,
-    /// Wall time x workers per element and cycle [ns].
+    /// Wall time x workers x threads per element and cycle [ns].
     pub grind_ns: f64,
     /// Wall time per phase [s].
     pub phase_s: BTreeMap<String, MeanMax>,

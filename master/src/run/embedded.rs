@@ -9,10 +9,11 @@ use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::mesh::MeshElement;
 use crumple_proto::partition::NodeRecord;
 use crumple_proto::report::PhaseSeconds;
-use crumple_proto::transport::{RankLost, Traffic, Transport, thread_cpu, threads};
+use crumple_proto::transport::{RankLost, Traffic, Transport, threads};
 use crumple_worker::engine::{Engine, StepFailure};
 use crumple_worker::parallel::partition::PartitionData;
 use crumple_worker::step::step;
+use crumple_worker::timer::busy;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -249,7 +250,7 @@ pub fn time_side_by_side(
         let mut engine = Engine::new(comm, model.settings.clone(), tree.clone(), share)
             .map_err(|l| l.to_string())?;
         engine.blocks.compute_all();
-        let cpu = |comm: &dyn Transport| thread_cpu().saturating_sub(comm.wait_cpu());
+        let cpu = |comm: &dyn Transport| busy(comm);
         let mut before = (cpu(comm), Instant::now(), engine.timer.seconds, comm.traffic());
         while engine.clock.cycle < skip + cycles {
             if engine.clock.cycle == skip {

@@ -544,10 +544,11 @@ fn print_summary(s: &Summary, out: &Path) {
         percent(e.error_max)
     );
     say!(
-        "{} workers ({}), {:.1} s wall, grind {:.0} ns per element and cycle; \
+        "{} workers ({}{}), {:.1} s wall, grind {:.0} ns per element and cycle; \
          {} low and {} high redecompositions, imbalance {:.2}",
         s.workers,
         s.transport,
+        if s.threads > 1 { format!(", {} threads each", s.threads) } else { String::new() },
         s.wall_s,
         s.grind_ns,
         s.redecompositions.low,

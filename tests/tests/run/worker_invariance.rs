@@ -307,7 +307,7 @@ fn a_redecomposition_after_the_last_step_does_not_change_the_last_row() {
 }
 
 /// Histories of all kinds, of walls with and without a mass, with subcycles, friction, erosion,
-/// loads and damping: the same bytes on any number of workers.
+/// loads and damping: the same bytes on any number of workers and threads.
 #[test]
 fn histories_have_the_same_bytes_on_any_number_of_workers() {
     let panel = "output.section=[{nodes=\"side\", parts=[1, 2]}]";
@@ -322,18 +322,19 @@ fn histories_have_the_same_bytes_on_any_number_of_workers() {
         ("can-crush", "100", &["elements.precision=single"]),
     ];
     for (scene, cycles, sets) in scenes {
-        let on = |workers: &str| {
+        let on = |workers: &str, threads: &str| {
             let job = format!("cases/{scene}");
             let limit = format!("time.max_cycles={cycles}");
             let mut words = vec!["run", &job, "--no-report", "--workers", workers];
-            words.extend(["--set", &limit, "--set=checkpoint.every=off"]);
+            words.extend(["--threads", threads, "--set", &limit, "--set=checkpoint.every=off"]);
             words.extend(sets.iter().flat_map(|set| ["--set", set]));
             run(crumple_with(&words)).with_code(0)
         };
-        let one = on("1");
-        for workers in ["2", "3"] {
-            let other = on(workers);
-            println!("{scene}, {workers} workers");
+        let one = on("1", "1");
+        for (workers, threads) in [("2", "3"), ("3", "1")] {
+            let other = on(workers, threads);
+            println!("{scene}, {workers} workers of {threads} threads");
+            assert_eq!(other.summary()["threads"].to_string(), threads, "{scene}");
             assert_same_histories(&one.out(), &other.out());
             assert_eq!(one.summary()["energy"], other.summary()["energy"], "{scene}");
             assert_eq!(one.summary()["momentum"], other.summary()["momentum"], "{scene}");

@@ -34,7 +34,7 @@ use crate::kernels::{self, Vector};
 use crate::local_search::{is_in_middle, moved, tolerated};
 use crate::pairs::{Pair, PairHistory, PairKey, padded};
 use crate::reach::{ACTIVE, REACH};
-use crate::search::Search;
+use crate::search::{Search, accepted};
 use crate::shell_offset;
 use crate::surface::{NOT_LOCAL, Surface};
 use crate::surroundings::Exclusions;
@@ -42,14 +42,18 @@ use crate::waiting::Waiting;
 use crumple_fem::nodes::Nodes;
 use crumple_math::lanes::{LANES, Lane, Lanes, Real};
 use crumple_math::row::{V3, xyz};
+use crumple_math::threads::{self, joined, ranges};
 use crumple_proto::boxes::Aabb;
 use crumple_proto::ids::NodeId;
+use std::ops::Range;
 
 /// Product of normals above which the histories of successive edges belong to the same contact.
 const ALIKE: f64 = 0.7;
 /// Fraction of the angle of an exposed fold from which on edges are included in the search.
 /// Without it each edge that becomes exposed would request a new search.
 const NEARLY: f64 = 0.7;
+/// Least number of candidates that a thread examines at a time.
+const PIECE: usize = 256;
 
 /// Returns all nodes of own segments, possibly several times. The edges between them may become
 /// exposed, whatever segments of other workers adjoin them, and the segments themselves may
@@ -236,27 +240,25 @@ impl Edges {
         let grown =
             |i: &u32| edge(*i).bounds(&nodes.x).grown(reach(edge(*i).scale, largest) + longest);
         let boxes: Vec<Aabb> = all.iter().map(grown).collect();
-        find(&boxes, &middles, &mut |b, p| {
+        let may_meet = |b: u32, p: u32| {
             let (one, two) = (&of_own[p as usize], &of_all[b as usize]);
             let reach = reach(one.scale, two.scale);
             // Neither test is easy to predict: one branch for both.
             if (one.ids >= two.ids) | one.is_farther(two, reach) {
-                return;
+                return false;
             }
-            let (i, other) = (own[p as usize], all[b as usize]);
-            let (slave, met) = (edge(i), edge(other));
+            let (slave, met) = (edge(own[p as usize]), edge(all[b as usize]));
             let [j, k] = met.nodes;
-            let may_meet = (!self.of_beams || slave.kind == Kind::Beam || met.kind == Kind::Beam)
+            (!self.of_beams || slave.kind == Kind::Beam || met.kind == Kind::Beam)
                 && !lines.has_adjacent(slave, surface, &met.nodes)
                 && !lines.has_adjacent(met, surface, &slave.nodes)
                 && are_within(slave, met, nodes, reach)
                 && !joined.excludes(slave.nodes[0], &[slave.nodes[1], j, k, k])
                 && !joined.are_tied(slave.nodes[1], &[j, k, k, k])
-                && lines.interface([slave, met], surface).is_some();
-            if may_meet {
-                self.found.push([i, other]);
-            }
-        });
+                && lines.interface([slave, met], surface).is_some()
+        };
+        let found = accepted(find, &boxes, &middles, may_meet);
+        self.found = found.into_iter().map(|[b, p]| [own[p as usize], all[b as usize]]).collect();
         self.found.sort_by_cached_key(|c| c.map(|i| edge(i).ids(nodes)));
     }
 
@@ -282,7 +284,8 @@ impl Edges {
             let nodes = [a.nodes, b.nodes];
             is_near.then_some(EdgeCandidate { edges: *pair, nodes, reach })
         };
-        self.candidates.extend(self.found.iter().filter_map(near));
+        let of_range = |range: Range<usize>| self.found[range].iter().filter_map(near).collect();
+        self.candidates = joined(threads::map(ranges(self.found.len(), PIECE), of_range));
         self.waiting.restart(self.candidates.len());
     }
 
@@ -323,15 +326,23 @@ impl Edges {
         let mut due = std::mem::take(&mut self.due);
         let mut waiting = std::mem::take(&mut self.waiting);
         waiting.find_due(path, &mut due);
-        for some in due.chunks(LANES) {
-            let beyond = self.distances_beyond_reach(some, nodes);
-            for (&i, beyond) in some.iter().zip(beyond) {
-                if beyond > 0.0 {
-                    waiting.defer(i, path + beyond);
-                } else {
-                    out.extend(self.pair_of(i, nodes, (surface, alive), stiffness, dt));
+        let found = threads::map(ranges(due.len(), PIECE), |range| {
+            let (mut pairs, mut deferred) = (Vec::new(), Vec::new());
+            for some in due[range].chunks(LANES) {
+                let beyond = self.distances_beyond_reach(some, nodes);
+                for (&i, beyond) in some.iter().zip(beyond) {
+                    if beyond > 0.0 {
+                        deferred.push((i, path + beyond));
+                    } else {
+                        pairs.extend(self.pair_of(i, nodes, (surface, alive), stiffness, dt));
+                    }
                 }
             }
+            (pairs, deferred)
+        });
+        for (pairs, deferred) in found {
+            out.extend(pairs);
+            deferred.into_iter().for_each(|(i, until)| waiting.defer(i, until));
         }
         waiting.update_blocks(&due);
         (self.due, self.waiting) = (due, waiting);

@@ -1,7 +1,7 @@
 //! Tests of edges in contact: which folds are used, and the history of their pairs.
 
 use super::*;
-use crate::search::linked_cells;
+use crate::search::SEARCHES;
 use crate::surface::Segment;
 use crate::testing::Free;
 use crumple_fem::testing::nodes_at;
@@ -36,7 +36,7 @@ fn ridge_and_rim(angles: [f64; 2], height: f64) -> (Nodes, Surface) {
 }
 
 fn search(edges: &mut Edges, surface: &Surface, nodes: &Nodes) {
-    edges.search(surface, nodes, &Free, linked_cells, 0.1);
+    edges.search(surface, nodes, &Free, SEARCHES[0].find, 0.1);
     edges.pick(nodes, surface, (0.05, 0.0));
 }
 

@@ -23,7 +23,7 @@ use crate::local_search::{is_in_middle, moved, tolerated};
 use crate::overlap::{Overlap, Plane, ProjectedSegment};
 use crate::pairs::{Pair, PairHistory, PairKey};
 use crate::reach::{ACTIVE, BEHIND, REACH};
-use crate::search::Search;
+use crate::search::{Search, accepted};
 use crate::shell_offset;
 use crate::surface::{NOT_LOCAL, Segment, Surface};
 use crate::surroundings::Exclusions;
@@ -154,17 +154,16 @@ impl Facets {
         let reach = |one: f64, other: f64| REACH * surface.interfaces.most(one + other) + added;
         let grown = |s: &Segment| s.bounds(&nodes.x, reach(s.scale, largest) + widest);
         let boxes: Vec<Aabb> = surface.segments.iter().map(grown).collect();
-        find(&boxes, &centres, &mut |b, p| {
+        let may_meet = |b: u32, p: u32| {
             let places = [slaves[p as usize], b];
             let [slave, met] = places.map(|i| &surface.segments[i as usize]);
             let [one, other] = places.map(|i| &spheres[i as usize]);
-            if slave.id < met.id
+            slave.id < met.id
                 && !one.are_separated(other, reach(slave.scale, met.scale))
                 && self.may_meet(surface, joined, [slave, met]).is_some()
-            {
-                self.found.push(places);
-            }
-        });
+        };
+        let found = accepted(find, &boxes, &centres, may_meet);
+        self.found = found.into_iter().map(|[b, p]| [slaves[p as usize], b]).collect();
         self.found.sort_unstable();
     }
 

@@ -64,6 +64,7 @@ use crumple_fem::time::StepSizes;
 use crumple_fem::work::Work;
 use crumple_math::lanes::Lane;
 use crumple_math::row::{Row, row, xyz};
+use crumple_math::threads;
 use crumple_math::vector_range::VectorRange;
 use crumple_proto::ids::NodeId;
 use crumple_proto::job::ContactInput;
@@ -79,7 +80,7 @@ use interfaces::Interfaces;
 use near_list::NearList;
 use nesterov::NesterovMomentum;
 use pairs::{Pair, PairHistory, PairTable, Peers};
-use projections::ProjectedPairs;
+use projections::{ProjectedPair, ProjectedPairs};
 use search::{SEARCHES, Search};
 use slave_candidates::SlaveCandidates;
 use slave_histories::SlaveHistories;
@@ -160,6 +161,9 @@ pub struct Contact {
     /// in the first search of an interface counts as initial.
     interface_started: Vec<bool>,
 }
+
+/// Least number of segments that a thread examines at a time.
+const PIECE: usize = 1024;
 
 /// Number of cycles between two searches for folds.
 const FOLDS_EVERY: u64 = 64;
@@ -281,9 +285,7 @@ impl Contact {
         (time, dt): (f64, f64),
         [stable, limit]: [f64; 2],
     ) {
-        let velocities =
-            VectorRange::from_vectors(nodes.v_next.len(), |i| Lane::new(nodes.v_next[i]));
-        let spread = velocities.diameter();
+        let spread = range_of(&nodes.v_next).diameter();
         // If this is false, no node passes the thinnest segment within one stable step of the
         // elements.
         let fast = stable * spread > self.surface.thinnest;
@@ -345,8 +347,8 @@ impl Contact {
         }
         self.motion_since_near_list.restart(nodes);
         self.motion_before_near_list += moved;
-        let spheres: Vec<Sphere> =
-            self.surface.segments.iter().map(|s| Sphere::around(&s.corners(&nodes.x))).collect();
+        let sphere = |i: usize| Sphere::around(&self.surface.segments[i].corners(&nodes.x));
+        let spheres = threads::collect(self.surface.segments.len(), PIECE, sphere);
         if !fresh || self.motion_before_near_list + self.near_list.skin + ahead > self.skin {
             self.searches += 1;
             self.candidates.search(
@@ -458,22 +460,26 @@ impl Contact {
         );
         self.histories.forget_first();
         let near = (&mut self.near_list, self.motion_since_near_list.path());
-        let history = |i: u32| self.histories.of_slave(i as usize);
-        self.projected_pairs.project(nodes, &self.surface, near, history, dt);
-        let all = &self.projected_pairs.all;
-        let mut finds = Vec::new();
-        for projected in all.chunk_by(|a, b| a.of.slave_index == b.of.slave_index) {
-            let i = projected[0].of.slave_index;
-            local_search::find_pairs(
-                (nodes, self.detail),
-                (&self.surface, alive),
-                i as usize,
-                projected,
-                history(i),
-                dt,
-                (&mut finds, pairs),
-            );
-        }
+        let (surface, histories, detail) = (&self.surface, &self.histories, self.detail);
+        let history = |i: u32| histories.of_slave(i as usize);
+        let find = |projected: &[ProjectedPair]| {
+            let (mut finds, mut pairs) = (Vec::new(), Vec::new());
+            for projected in projected.chunk_by(|a, b| a.of.slave_index == b.of.slave_index) {
+                let i = projected[0].of.slave_index;
+                local_search::find_pairs(
+                    (nodes, detail),
+                    (surface, alive),
+                    i as usize,
+                    projected,
+                    history(i),
+                    dt,
+                    (&mut finds, &mut pairs),
+                );
+            }
+            pairs
+        };
+        let found = self.projected_pairs.project((nodes, surface), near, history, dt, find);
+        pairs.extend(found.into_iter().flatten());
         if !self.stiffness.is_empty() {
             for p in pairs {
                 let at = self.surface.segments.binary_search_by_key(&p.segment, |s| s.id);
@@ -625,6 +631,16 @@ impl Contact {
         self.edges.store_history(t.pairs.iter());
         self.facets.store_history(t.pairs.iter());
     }
+}
+
+/// Returns the range of all rows of a column.
+fn range_of(rows: &[Row]) -> VectorRange {
+    /// Least number of rows that a thread compares at a time.
+    const PIECE: usize = 4096;
+    let pieces: Vec<&[Row]> =
+        threads::ranges(rows.len(), PIECE).into_iter().map(|range| &rows[range]).collect();
+    let of_piece = |rows: &[Row]| VectorRange::from_vectors(rows.len(), |i| Lane::new(rows[i]));
+    VectorRange::of_all(threads::map(pieces, of_piece))
 }
 
 /// Returns the place of a pair: the first of its nodes on this worker, and the part of its segment.

@@ -18,6 +18,8 @@ use crate::waiting::Waiting;
 use crumple_fem::nodes::Nodes;
 use crumple_math::lanes::{LANES, Lane, Real};
 use crumple_math::row::{V3, xyz};
+use crumple_math::threads;
+use std::ops::Range;
 
 /// Skin of the near list as a fraction of the skin of the search. It is at most [`THIN`] of the
 /// scale of the thinnest segment and [`SHORT`] of the length of a short edge: with a larger
@@ -30,6 +32,9 @@ const SHORT: f64 = 0.125;
 const STEP: f64 = 0.02;
 /// Number of collected candidates from which a filter examines them in batches.
 const HELD: usize = 256;
+/// Least number of slaves whose candidates a thread selects at a time.
+const PIECE: usize = 512;
+
 /// Candidates that are near.
 #[derive(Debug, Default)]
 pub struct NearList {
@@ -64,18 +69,24 @@ impl NearList {
         &mut self,
         (nodes, surface, spheres): (&Nodes, &Surface, &[Sphere]),
         (skin, step): (f64, f64),
-        found: impl Fn(usize) -> &'a [u32],
-        memory: impl Fn(usize) -> &'a [PairHistory],
+        found: impl Fn(usize) -> &'a [u32] + Sync,
+        memory: impl Fn(usize) -> &'a [PairHistory] + Sync,
     ) {
         self.skin = (SKIN * skin).min(THIN * surface.thinnest).min(SHORT * surface.short);
         self.step = (2.0 * step).max(STEP * surface.thinnest);
         self.clear();
-        let mut picker =
-            CandidateFilter::new(nodes, surface, (self.skin, self.step), |g| spheres[g]);
-        for place in 0..surface.slaves.len() {
-            picker.add_slave(place, found(place), memory(place), &mut self.list);
-        }
-        picker.finish(&mut self.list);
+        let limits = (self.skin, self.step);
+        let of_range = |range: Range<usize>| {
+            let mut near = Vec::new();
+            let mut filter = CandidateFilter::new(nodes, surface, limits, |g| spheres[g]);
+            for place in range {
+                filter.add_slave(place, found(place), memory(place), &mut near);
+            }
+            filter.finish(&mut near);
+            near
+        };
+        let pieces = threads::ranges(surface.slaves.len(), PIECE);
+        self.list = threads::joined(threads::map(pieces, of_range));
         self.waiting.restart(self.list.len());
     }
 

@@ -11,6 +11,7 @@ use crate::surface::Surface;
 use crumple_fem::nodes::Nodes;
 use crumple_math::lanes::{LANES, Lane, Real};
 use crumple_math::row::{V3, xyz};
+use crumple_math::threads;
 
 /// A candidate pair that may touch in the step, with its projection.
 #[derive(Debug)]
@@ -24,43 +25,96 @@ pub struct ProjectedPair {
     pub near: Nearest,
 }
 
-/// Projected pairs of a step.
+/// Candidates of a step that are due, and their projections.
 #[derive(Debug, Default)]
 pub struct ProjectedPairs {
     /// Indices of the candidates that may be within reach.
     due: Vec<u32>,
+    /// Buffers of the threads.
+    pieces: Vec<Piece>,
+}
+
+/// Candidates that a thread examines: all of some slaves that are due.
+#[derive(Debug, Default)]
+struct Piece {
+    /// Those out of reach, and the path of the nodes up to which they are [length].
+    deferred: Vec<(u32, f64)>,
     /// Candidate pairs within reach, with their largest relative motion [length].
     reached: Vec<(CandidatePair, f64)>,
     /// Projected pairs in the order of the candidates.
-    pub all: Vec<ProjectedPair>,
+    projected: Vec<ProjectedPair>,
 }
+
+/// Least number of candidates that a thread examines at a time.
+const PIECE: usize = 512;
 
 impl ProjectedPairs {
     /// Returns the bytes in use, without spare capacity.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.due[..]) + size_of_val(&self.reached[..]) + size_of_val(&self.all[..])
+        let of_piece = |p: &Piece| {
+            size_of_val(&p.deferred[..])
+                + size_of_val(&p.reached[..])
+                + size_of_val(&p.projected[..])
+        };
+        size_of_val(&self.due[..]) + self.pieces.iter().map(of_piece).sum::<usize>()
     }
 
-    /// Projects the candidates of the near list that are within reach and stores them in `all`.
+    /// Projects the candidates of the near list that are within reach, and calls `then` with the
+    /// projected pairs of some slaves at a time, slaves ascending. Returns the results of `then`.
     /// `path` is the path of the nodes since the list was made [length]. `memory` returns the
     /// pair histories of a slave by its index; `dt` is the step size [time].
-    pub fn project<'a>(
+    pub fn project<'a, T: Send>(
         &mut self,
-        nodes: &Nodes,
-        surface: &Surface,
+        (nodes, surface): (&Nodes, &Surface),
         (near, path): (&mut NearList, f64),
+        memory: impl Fn(u32) -> &'a [PairHistory] + Sync,
+        dt: f64,
+        then: impl Fn(&[ProjectedPair]) -> T + Sync,
+    ) -> Vec<T> {
+        near.waiting.find_due(path, &mut self.due);
+        let mut rest = &self.due[..];
+        let count = threads::pieces(rest.len(), PIECE);
+        let length = rest.len().div_ceil(count);
+        self.pieces.resize_with(count, Piece::default);
+        let slave_of = |i: u32| near.list[i as usize].slave_index;
+        let cut = |piece| {
+            let mut end = length.min(rest.len());
+            while (1..rest.len()).contains(&end) && slave_of(rest[end]) == slave_of(rest[end - 1]) {
+                end += 1;
+            }
+            let due;
+            (due, rest) = rest.split_at(end);
+            (due, piece)
+        };
+        let pieces = self.pieces.iter_mut().map(cut).collect();
+        let list = &*near;
+        let results = threads::map(pieces, |(due, piece): (&[u32], &mut Piece)| {
+            piece.project((nodes, surface), (list, path), due, &memory, dt);
+            then(&piece.projected)
+        });
+        let deferred = self.pieces.iter().flat_map(|p| &p.deferred);
+        deferred.for_each(|&(i, until)| near.waiting.defer(i, until));
+        near.waiting.update_blocks(&self.due);
+        results
+    }
+}
+
+impl Piece {
+    /// Projects the candidates `due` that are within reach.
+    fn project<'a>(
+        &mut self,
+        (nodes, surface): (&Nodes, &Surface),
+        (near, path): (&NearList, f64),
+        due: &[u32],
         memory: impl Fn(u32) -> &'a [PairHistory],
         dt: f64,
     ) {
-        let mut due = std::mem::take(&mut self.due);
-        near.waiting.find_due(path, &mut due);
+        self.deferred.clear();
         self.reached.clear();
+        self.projected.clear();
         for some in due.chunks(LANES) {
             self.retain_reached(nodes, surface, (near, path), some, &memory, dt);
         }
-        near.waiting.update_blocks(&due);
-        self.due = due;
-        self.all.clear();
         for some in self.reached.chunks(LANES) {
             let four = PairBatch::gather(surface, some, |s| s.0);
             let found = project(four.slaves(&nodes.x), &four.corners(&nodes.x), four.triangles());
@@ -71,7 +125,7 @@ impl ProjectedPairs {
                         .nearest(&V3::from(xyz(&nodes.x[four.slave[lane] as usize])), &nodes.x),
                     false => Nearest::from_lane(&found, lane),
                 };
-                self.all.extend(near.map(|near| ProjectedPair { of, step, near }));
+                self.projected.extend(near.map(|near| ProjectedPair { of, step, near }));
             }
         }
     }
@@ -84,7 +138,7 @@ impl ProjectedPairs {
         &mut self,
         nodes: &Nodes,
         surface: &Surface,
-        (near, path): (&mut NearList, f64),
+        (near, path): (&NearList, f64),
         some: &[u32],
         memory: impl Fn(u32) -> &'a [PairHistory],
         dt: f64,
@@ -119,7 +173,7 @@ impl ProjectedPairs {
                     true => old[lane],
                     false => reach(surface, four.slave[lane], segment, near.step),
                 };
-                near.waiting.defer(i, path + (distance[lane] - limit));
+                self.deferred.push((i, path + (distance[lane] - limit)));
             } else if !(of.shared_node_mask != 0 && is_in::<Lane>(is_turned_away, lane)) {
                 self.reached.push((of, step[lane]));
             }
@@ -197,7 +251,6 @@ mod tests {
             let mut meetings = ProjectedPairs::default();
             let mut near = NearList { list: asked.to_vec(), ..NearList::default() };
             near.waiting.restart(asked.len());
-            meetings.project(&nodes, &surface, (&mut near, 0.0), memory, 1.0);
             let result = |m: &ProjectedPair| {
                 let numbers =
                     m.near.shape.into_iter().chain([m.step]).chain(m.near.point.iter().copied());
@@ -205,7 +258,10 @@ mod tests {
                     numbers.chain(m.near.normal.iter().copied()).map(f64::to_bits).collect();
                 (m.of.slave_index, m.of.segment, m.near.rim, bits)
             };
-            meetings.all.iter().map(result).collect::<Vec<_>>()
+            let results = |projected: &[ProjectedPair]| projected.iter().map(result).collect();
+            let found: Vec<Vec<_>> =
+                meetings.project((&nodes, &surface), (&mut near, 0.0), memory, 1.0, results);
+            found.concat()
         };
         let alone: Vec<_> = asked.iter().flat_map(|n| meet(std::slice::from_ref(n))).collect();
         assert!(

@@ -6,11 +6,19 @@
 
 use crumple_math::lanes::{Lane, Real};
 use crumple_math::row::row;
+use crumple_math::threads;
 use crumple_proto::boxes::Aabb;
+use std::ops::Range;
 
-/// A global search: calls `found` with the index of a box and the index of a point for each
-/// point in a closed box, boxes ascending.
-pub type Search = fn(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32));
+/// An index of points, for a global search.
+pub trait PointIndex: Sync {
+    /// Calls `found` with the index of a box and the index of a point for each point in a closed
+    /// box, boxes ascending. The first of `boxes` has the index `first`.
+    fn find(&self, boxes: &[Aabb], first: u32, found: &mut dyn FnMut(u32, u32));
+}
+
+/// A global search: builds an index of points for these boxes.
+pub type Search = for<'a> fn(boxes: &[Aabb], points: &'a [[f64; 3]]) -> Box<dyn PointIndex + 'a>;
 
 /// A search method and its name.
 pub struct Method {
@@ -21,41 +29,94 @@ pub struct Method {
 }
 
 /// All search methods.
-pub const SEARCHES: &[Method] =
-    &[Method { name: "cells", find: linked_cells }, Method { name: "boxes", find: sorted_lists }];
+pub const SEARCHES: &[Method] = &[
+    Method { name: "cells", find: |boxes, points| Box::new(Cells::new(boxes, points)) },
+    Method { name: "boxes", find: |_, points| Box::new(SortedLists::new(points)) },
+];
 
-/// Assigns points to the cells of a grid whose cell size is half the mean size of a box, or
-/// larger. Each box examines the cells that it covers.
+/// Least number of boxes that a thread examines at a time.
+const PIECE: usize = 256;
+
+/// Returns the index of a box and the index of a point for each point in a closed box that
+/// `accept` accepts, boxes ascending.
+pub fn accepted(
+    find: Search,
+    boxes: &[Aabb],
+    points: &[[f64; 3]],
+    accept: impl Fn(u32, u32) -> bool + Sync,
+) -> Vec<[u32; 2]> {
+    let index = find(boxes, points);
+    let of_range = |range: Range<usize>| {
+        let (mut found, first) = (Vec::new(), range.start as u32);
+        index.find(&boxes[range], first, &mut |b, p| {
+            if accept(b, p) {
+                found.push([b, p]);
+            }
+        });
+        found
+    };
+    threads::joined(threads::map(threads::ranges(boxes.len(), PIECE), of_range))
+}
+
+/// Calls `found` with the index of a box and the index of a point for each point in a closed box,
+/// boxes ascending. Uses linked cells.
 pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
-    let bounds = Aabb::around(points.iter().copied());
-    if boxes.is_empty() || bounds.is_empty() {
-        return;
-    }
-    let grid = Grid::new(&bounds, boxes, points.len());
-    let (start, members) = grid.fill(points);
-    // Cells of a line, and so their points, are read from consecutive memory.
-    let place = |&p: &u32| Lane::new(row(points[p as usize]));
-    let places: Vec<Lane> = members.iter().map(place).collect();
-    let mut hits = vec![0; points.len()];
-    for (b, bx) in boxes.iter().enumerate() {
-        let common = bx.intersection(&bounds);
-        if common.is_empty() {
-            continue;
+    Cells::new(boxes, points).find(boxes, 0, found);
+}
+
+/// Points in the cells of a grid whose cell size is half the mean size of a box, or larger. Each
+/// box examines the cells that it covers.
+struct Cells {
+    bounds: Aabb,
+    grid: Grid,
+    /// Start of each cell in `members`, and their end.
+    start: Vec<u32>,
+    /// Points by cell, and their coordinates: cells of a line, and so their points, are read from
+    /// consecutive memory.
+    members: Vec<u32>,
+    places: Vec<Lane>,
+}
+
+impl Cells {
+    fn new(boxes: &[Aabb], points: &[[f64; 3]]) -> Self {
+        let bounds = Aabb::around(points.iter().copied());
+        if boxes.is_empty() || bounds.is_empty() {
+            let grid = Grid { origin: [0.0; 3], per_length: [0.0; 3], count: [1; 3] };
+            let (start, members, places) = (Vec::new(), Vec::new(), Vec::new());
+            return Self { bounds: Aabb::EMPTY, grid, start, members, places };
         }
-        let (min, max) = (Lane::new(row(bx.min)), Lane::new(row(bx.max)));
-        let (lo, hi) = (grid.place(common.min), grid.place(common.max));
-        for k in lo[2]..=hi[2] {
-            for j in lo[1]..=hi[1] {
-                let line = (k * grid.count[1] + j) * grid.count[0];
-                let cells = start[line + lo[0]] as usize..start[line + hi[0] + 1] as usize;
-                // About half of the points are inside: a branch for each would often be predicted
-                // wrong.
-                let mut count = 0;
-                for (&p, &at) in members[cells.clone()].iter().zip(&places[cells]) {
-                    hits[count] = p;
-                    count += usize::from((at.ge(min) & at.le(max)).all());
+        let grid = Grid::new(&bounds, boxes, points.len());
+        let (start, members) = grid.fill(points);
+        let place = |&p: &u32| Lane::new(row(points[p as usize]));
+        let places = members.iter().map(place).collect();
+        Self { bounds, grid, start, members, places }
+    }
+}
+
+impl PointIndex for Cells {
+    fn find(&self, boxes: &[Aabb], first: u32, found: &mut dyn FnMut(u32, u32)) {
+        let Self { bounds, grid, start, members, places } = self;
+        let mut hits = vec![0; members.len()];
+        for (b, bx) in (first..).zip(boxes) {
+            let common = bx.intersection(bounds);
+            if common.is_empty() {
+                continue;
+            }
+            let (min, max) = (Lane::new(row(bx.min)), Lane::new(row(bx.max)));
+            let (lo, hi) = (grid.place(common.min), grid.place(common.max));
+            for k in lo[2]..=hi[2] {
+                for j in lo[1]..=hi[1] {
+                    let line = (k * grid.count[1] + j) * grid.count[0];
+                    let cells = start[line + lo[0]] as usize..start[line + hi[0] + 1] as usize;
+                    // About half of the points are inside: a branch for each would often be
+                    // predicted wrong.
+                    let mut count = 0;
+                    for (&p, &at) in members[cells.clone()].iter().zip(&places[cells]) {
+                        hits[count] = p;
+                        count += usize::from((at.ge(min) & at.le(max)).all());
+                    }
+                    hits[..count].iter().for_each(|&p| found(b, p));
                 }
-                hits[..count].iter().for_each(|&p| found(b as u32, p));
             }
         }
     }
@@ -120,26 +181,40 @@ impl Grid {
     }
 }
 
-/// Sorts points along each axis. A box selects the axis on which the fewest points lie within
-/// it, and tests the other two axes.
-pub fn sorted_lists(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
-    let sorted: [Vec<(f64, u32)>; 3] = std::array::from_fn(|c| {
-        let mut list: Vec<(f64, u32)> =
-            points.iter().enumerate().map(|(i, p)| (p[c], i as u32)).collect();
-        list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        list
-    });
-    for (b, bx) in boxes.iter().enumerate() {
-        let within = |c: usize| {
-            let from = sorted[c].partition_point(|p| p.0 < bx.min[c]);
-            from..sorted[c].partition_point(|p| p.0 <= bx.max[c]).max(from)
-        };
-        let ranges: [_; 3] = std::array::from_fn(within);
-        let fewest = (0..3).min_by_key(|&c| ranges[c].len()).unwrap_or(0);
-        let inside = sorted[fewest][ranges[fewest].clone()]
-            .iter()
-            .filter(|p| bx.contains(points[p.1 as usize]));
-        inside.for_each(|p| found(b as u32, p.1));
+/// Points sorted along each axis. A box selects the axis on which the fewest points lie within it,
+/// and tests the other two axes.
+struct SortedLists<'a> {
+    points: &'a [[f64; 3]],
+    sorted: [Vec<(f64, u32)>; 3],
+}
+
+impl<'a> SortedLists<'a> {
+    fn new(points: &'a [[f64; 3]]) -> Self {
+        let sorted = std::array::from_fn(|c| {
+            let mut list: Vec<(f64, u32)> =
+                points.iter().zip(0..).map(|(p, i)| (p[c], i)).collect();
+            list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            list
+        });
+        Self { points, sorted }
+    }
+}
+
+impl PointIndex for SortedLists<'_> {
+    fn find(&self, boxes: &[Aabb], first: u32, found: &mut dyn FnMut(u32, u32)) {
+        let Self { points, sorted } = self;
+        for (b, bx) in (first..).zip(boxes) {
+            let within = |c: usize| {
+                let from = sorted[c].partition_point(|p| p.0 < bx.min[c]);
+                from..sorted[c].partition_point(|p| p.0 <= bx.max[c]).max(from)
+            };
+            let ranges: [_; 3] = std::array::from_fn(within);
+            let fewest = (0..3).min_by_key(|&c| ranges[c].len()).unwrap_or(0);
+            let inside = sorted[fewest][ranges[fewest].clone()]
+                .iter()
+                .filter(|p| bx.contains(points[p.1 as usize]));
+            inside.for_each(|p| found(b, p.1));
+        }
     }
 }
 
@@ -173,8 +248,8 @@ mod tests {
                 .collect();
             let expected = brute(&boxes, &points);
             for method in SEARCHES {
-                let mut found = Vec::new();
-                (method.find)(&boxes, &points, &mut |b, p| found.push((b, p)));
+                let all = accepted(method.find, &boxes, &points, |_, _| true);
+                let mut found: Vec<(u32, u32)> = all.iter().map(|&[b, p]| (b, p)).collect();
                 prop_assert!(found.is_sorted_by_key(|f| f.0), "{}", method.name);
                 found.sort_unstable();
                 prop_assert_eq!(&found, &expected, "{}", method.name);

@@ -4,12 +4,16 @@
 use crate::diagnostics::search_record::SearchRecord;
 use crate::geometry::Sphere;
 use crate::reach::reach_of_old;
-use crate::search::Search;
+use crate::search::{Search, accepted};
 use crate::search_reach;
 use crate::surface::{Segment, Surface};
 use crate::surroundings::Exclusions;
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{V3, xyz};
+use crumple_math::threads;
+
+/// Least number of segments that a thread examines at a time.
+const PIECE: usize = 1024;
 
 /// Candidates in the order of the surface's slaves.
 #[derive(Default)]
@@ -61,46 +65,44 @@ impl SlaveCandidates {
         record: &mut SearchRecord,
     ) {
         self.segments = Vec::new(); // freed first: memory use peaks in the search
-        let (mut found, mut count) = (Vec::new(), vec![0u32; surface.segments.len()]);
-        {
+        let found = {
             let (largest, added) = (surface.largest_scale(), surface.shift_reach() + skin);
-            let bounds = |g: &Segment| {
+            let bounds = |i: usize| {
+                let g = &surface.segments[i];
                 let reach = search_reach(&surface.interfaces, g.scale, largest);
                 g.bounds(&nodes.x, reach + added)
             };
-            let boxes: Vec<_> = surface.segments.iter().map(bounds).collect();
+            let boxes = threads::collect(surface.segments.len(), PIECE, bounds);
             let points: Vec<[f64; 3]> =
                 surface.slaves.iter().map(|&i| xyz(&nodes.x[i as usize])).collect();
-            method(&boxes, &points, &mut |g, p| {
+            accepted(method, &boxes, &points, |g, p| {
                 let (segment, slave) = (&surface.segments[g as usize], surface.slaves[p as usize]);
                 let reach = reach_of_old(surface, slave, segment) + skin;
                 let is_far = spheres[g as usize].is_farther(&V3::from(points[p as usize]), reach);
                 let touches = || surface.interface(p as usize, segment).is_some();
                 let is_other =
                     !segment.nodes.contains(&slave) && !joined.excludes(slave, &segment.nodes);
-                if !is_far && is_other && touches() {
-                    found.push(p);
-                    count[g as usize] += 1;
-                    record.near(slave, segment);
-                }
-            });
+                !is_far && is_other && touches()
+            })
+        };
+        for &[g, p] in &found {
+            record.near(surface.slaves[p as usize], &surface.segments[g as usize]);
         }
-        self.sort_by_slave(surface.slaves.len(), &found, &count);
+        self.sort_by_slave(surface.slaves.len(), &found);
     }
 
-    /// Sorts slaves by segment, `count` of each segment, to segments by slave. Segments stay
+    /// Sorts segments and slaves, segments ascending, to segments by slave. Segments stay
     /// ascending.
-    fn sort_by_slave(&mut self, slaves: usize, found: &[u32], count: &[u32]) {
+    fn sort_by_slave(&mut self, slaves: usize, found: &[[u32; 2]]) {
         self.start.clear();
         self.start.resize(slaves + 1, 0);
-        found.iter().for_each(|&p| self.start[p as usize + 1] += 1);
+        found.iter().for_each(|&[_, p]| self.start[p as usize + 1] += 1);
         for i in 0..slaves {
             self.start[i + 1] += self.start[i];
         }
         let mut next = self.start.clone();
         self.segments.resize(found.len(), 0);
-        let segments = (0u32..).zip(count).flat_map(|(g, &n)| std::iter::repeat_n(g, n as usize));
-        for (g, &p) in segments.zip(found) {
+        for &[g, p] in found {
             self.segments[next[p as usize] as usize] = g;
             next[p as usize] += 1;
         }

@@ -7,7 +7,7 @@ use crumple_math::row::{Row, V3};
 use crumple_proto::transport::RankLost;
 
 /// Nodes and segments that cannot move relative to each other and are excluded from contact.
-pub trait Exclusions {
+pub trait Exclusions: Sync {
     /// Returns true if the node and the segment belong to one rigid body, or if one is tied to the
     /// other.
     fn excludes(&self, node: u32, segment: &[u32; 4]) -> bool;

@@ -3,6 +3,7 @@
 
 use crumple_math::row::Row;
 use std::ops::Range;
+use std::time::Duration;
 
 /// Order in which elements are computed and nodal forces are assembled.
 #[derive(Debug, Default)]
@@ -13,12 +14,20 @@ pub struct AssemblyPlan {
     slots: Vec<u32>,
     /// Groups in the order of computation, by portion of the elements.
     pub batches: [Vec<AssemblyBatch>; 3],
+    /// Ranges of the batches that a thread computes one after the other, by portion; empty for a
+    /// single thread.
+    pub runs: [Vec<Range<usize>>; 3],
     /// Nodes that are assembled after a batch, batch by batch.
     pub early: Vec<u32>,
+    /// With several threads the place of each local node in `early`, or [`LATE`].
+    pub place: Vec<u32>,
     /// Local nodes that are assembled at the end: they need messages of other workers, or they
     /// have no slots.
     pub late: Vec<u32>,
 }
+
+/// Place of a node that is assembled at the end.
+pub const LATE: u32 = u32::MAX;
 
 /// Groups of a block that are computed together, and the nodes that are complete after them.
 /// These are assembled while the forces are still in the cache.
@@ -33,6 +42,17 @@ pub struct AssemblyBatch {
     /// Measured CPU time of its elements in a cycle, smoothed; 0 before the first measurement
     /// [s].
     pub cost: f64,
+}
+
+/// Weight of the latest measurement in the smoothed cost of a batch.
+const NEWEST: f64 = 0.2;
+
+impl AssemblyBatch {
+    /// Adds a measured CPU time to the smoothed cost.
+    pub fn add_cost(&mut self, measured: Duration) {
+        let newest = if self.cost > 0.0 { NEWEST } else { 1.0 };
+        self.cost += newest * (measured.as_secs_f64() - self.cost);
+    }
 }
 
 /// Corners of an element at local nodes, own or received.
@@ -66,18 +86,22 @@ impl AssemblyPlan {
 
     /// Decides when nodes are assembled: after the batch that completes them, in the order of
     /// `batches`. Nodes with a slot from `received` on, or in `loaded`, are assembled at the end,
-    /// since forces are added to these slots until then. `slots_of` returns the slots that a
-    /// batch computes.
+    /// since forces are added to these slots until then. So are nodes whose slots belong to more
+    /// than one of the `runs` of several threads, see [`Self::runs`]. `slots_of` returns the slots
+    /// that a batch computes.
     pub fn build_batches(
         &mut self,
         batches: [Vec<AssemblyBatch>; 3],
+        runs: [Vec<Range<usize>>; 3],
         received: usize,
         loaded: &[Range<usize>],
         slots_of: impl Fn(&AssemblyBatch) -> Range<usize>,
     ) {
-        self.batches = batches;
-        // Batch after which each slot is complete; slots of inactive elements always are.
-        let mut when = vec![0u32; received];
+        (self.batches, self.runs) = (batches, runs);
+        // Batch after which each slot is complete; slots of inactive elements always are, but belong
+        // to no run.
+        let is_cut = self.runs.iter().any(|runs| !runs.is_empty());
+        let mut when = vec![if is_cut { u32::MAX } else { 0 }; received];
         for (number, batch) in self.batches.iter().flatten().enumerate() {
             let slots = slots_of(batch);
             when[slots].fill(number as u32);
@@ -85,7 +109,16 @@ impl AssemblyPlan {
         for slots in loaded {
             when[slots.clone()].fill(u32::MAX);
         }
-        let count = self.batches.iter().map(Vec::len).sum();
+        let lengths = self.batches.each_ref().map(Vec::len);
+        let count = lengths.iter().sum();
+        // The run of each batch.
+        let mut run_of = vec![0u32; count];
+        let firsts = [0, lengths[0], lengths[0] + lengths[1]];
+        let runs = firsts.iter().zip(&self.runs);
+        let all = runs.flat_map(|(first, runs)| {
+            runs.iter().map(move |run| first + run.start..first + run.end)
+        });
+        all.zip(0..).for_each(|(run, number)| run_of[run].fill(number));
         let mut ready: Vec<Vec<u32>> = vec![Vec::new(); count];
         self.late.clear();
         for i in 0..self.start.len().saturating_sub(1) {
@@ -94,7 +127,12 @@ impl AssemblyPlan {
                 .iter()
                 .map(|&slot| when.get(slot as usize).copied())
                 .max_by_key(|w| w.unwrap_or(u32::MAX));
-            match complete.flatten().and_then(|w| ready.get_mut(w as usize)) {
+            let complete = complete.flatten().filter(|&w| {
+                let run = |w: u32| run_of.get(w as usize);
+                let mut others = self.slots_of(i).iter().map(|&slot| when[slot as usize]);
+                !is_cut || others.all(|other| run(other) == run(w))
+            });
+            match complete.and_then(|w| ready.get_mut(w as usize)) {
                 Some(batch) => batch.push(i as u32),
                 None => self.late.push(i as u32),
             }
@@ -105,6 +143,11 @@ impl AssemblyPlan {
             self.early.extend(nodes);
             batch.nodes = first..self.early.len();
         }
+        self.place.clear();
+        if is_cut {
+            self.place.resize(self.start.len().saturating_sub(1), LATE);
+            (0..).zip(&self.early).for_each(|(place, &i)| self.place[i as usize] = place);
+        }
     }
 
     /// Returns the slots of local node `i`, in ascending element id.
@@ -113,37 +156,49 @@ impl AssemblyPlan {
         &self.slots[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
-    /// Sets `sums` at the nodes `which` to minus the sum of their slots of `column`, in ascending
-    /// element id.
-    pub fn assemble(&self, column: &[Row], sums: &mut [Row], which: &[u32]) {
-        for i in which.iter().map(|&i| i as usize) {
+    /// Sets sums of nodes to minus the sum of their slots of `column`, in ascending element id.
+    /// The column begins with the slot `first`. `which` gives local nodes, each with its place in
+    /// `sums`.
+    pub fn assemble(
+        &self,
+        (column, first): (&[Row], usize),
+        sums: &mut [Row],
+        which: impl Iterator<Item = [usize; 2]>,
+    ) {
+        for [i, place] in which {
             let mut sum = [0.0; 4];
             for &slot in self.slots_of(i) {
-                (0..4).for_each(|c| sum[c] -= column[slot as usize][c]);
+                (0..4).for_each(|c| sum[c] -= column[slot as usize - first][c]);
             }
-            sums[i] = sum;
+            sums[place] = sum;
         }
     }
 
     /// Assembles two columns at once, see [`Self::assemble`].
-    pub fn assemble_both(&self, columns: [&[Row]; 2], sums: [&mut [Row]; 2], which: &[u32]) {
+    pub fn assemble_both(
+        &self,
+        (columns, first): ([&[Row]; 2], usize),
+        sums: [&mut [Row]; 2],
+        which: impl Iterator<Item = [usize; 2]>,
+    ) {
         let ([forces, moments], [force, moment]) = (columns, sums);
-        for i in which.iter().map(|&i| i as usize) {
+        for [i, place] in which {
             let (mut f, mut m) = ([0.0; 4], [0.0; 4]);
             for &slot in self.slots_of(i) {
-                let (sf, sm) = (&forces[slot as usize], &moments[slot as usize]);
+                let slot = slot as usize - first;
+                let (sf, sm) = (&forces[slot], &moments[slot]);
                 for c in 0..4 {
                     f[c] -= sf[c];
                     m[c] -= sm[c];
                 }
             }
-            (force[i], moment[i]) = (f, m);
+            (force[place], moment[place]) = (f, m);
         }
     }
 
     /// Returns the bytes in use, without unused capacity.
     pub fn bytes(&self) -> usize {
-        [&self.slots, &self.start, &self.early, &self.late]
+        [&self.slots, &self.start, &self.early, &self.late, &self.place]
             .map(|l| size_of_val(&l[..]))
             .iter()
             .sum()

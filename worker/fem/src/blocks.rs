@@ -6,6 +6,7 @@
 mod block;
 mod particles;
 mod places;
+mod side_by_side;
 mod steps;
 mod volumes;
 
@@ -14,10 +15,11 @@ pub use volumes::{NodalVolumes, RemoteVolume};
 
 use crate::assembly::{AssemblyBatch, AssemblyPlan, ElementCorner};
 use crate::elements::{ElementNodalForces, PassTotals};
-use crate::nodes::Nodes;
+use crate::nodes::{NodeView, Nodes};
 use crate::step_data::StepData;
 use crate::time::ElementSet;
 use crumple_math::row::{Row, xyz};
+use crumple_math::threads;
 use crumple_proto::ids::ElemId;
 use crumple_proto::initial::{InitialPoint, of_element};
 use crumple_proto::mesh::MAX_CORNERS;
@@ -81,6 +83,8 @@ pub struct Blocks {
     between: Vec<u32>,
     /// Assembly in steps with all elements, and in steps without slow elements.
     plans: [AssemblyPlan; 2],
+    /// Sums of forces and of moments of the nodes in [`AssemblyPlan::early`], with several threads.
+    early_sums: [Vec<Row>; 2],
     /// Volume strain of nodes, if own elements average it.
     pub volumes: Option<NodalVolumes>,
 }
@@ -104,9 +108,6 @@ impl Portion {
 /// Number of elements in a batch: their forces and history fit into the second-level cache with
 /// all other data.
 const BATCH: usize = 256;
-
-/// Weight of the latest measurement in the smoothed cost of a batch.
-const NEWEST: f64 = 0.2;
 
 /// Bytes of the columns of elements, by use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,6 +155,7 @@ impl Blocks {
             volumes: _,
             force: _,
             moment: _,
+            early_sums: _,
             all_computed: _,
             timed: _,
         } = self;
@@ -211,6 +213,7 @@ impl Blocks {
             slow_dt: f64::INFINITY,
             between: Vec::new(),
             plans: Default::default(),
+            early_sums: Default::default(),
             volumes: None,
         };
         all.force = vec![[0.0; 4]; all.own_slots()];
@@ -292,8 +295,8 @@ impl Blocks {
             size_of_val(&self.elements[..]) + self.blocks.iter().map(groups).sum::<usize>();
         BlockBytes {
             history: self.blocks.iter().map(Block::history_bytes).sum(),
-            force: size_of_val(&self.force[..]),
-            moment: size_of_val(&self.moment[..]),
+            force: size_of_val(&self.force[..]) + size_of_val(&self.early_sums[0][..]),
+            moment: size_of_val(&self.moment[..]) + size_of_val(&self.early_sums[1][..]),
             connectivity: records + lists + self.volumes.as_ref().map_or(0, NodalVolumes::bytes),
         }
     }
@@ -387,7 +390,11 @@ impl Blocks {
             let picked = order.iter().map(|o| o.1 as usize).filter(is_in);
             let mut plan = AssemblyPlan::new(held, picked.map(corners));
             let batches = Portion::ALL.map(|portion| self.batches(portion, set));
-            plan.build_batches(batches, own, &loaded, |batch| {
+            let runs = batches.each_ref().map(|batches| match threads::count() {
+                1 => Vec::new(),
+                _ => threads::ranges(batches.len(), 1),
+            });
+            plan.build_batches(batches, runs, own, &loaded, |batch| {
                 self.blocks[batch.block].slots_of(&batch.groups)
             });
             plan
@@ -446,44 +453,68 @@ impl Blocks {
         let mut plan = std::mem::take(&mut self.plans[set as usize]);
         let mut batches = std::mem::take(&mut plan.batches[portion as usize]);
         let mut clock = self.timed.then(thread_cpu);
+        let early = plan.early.len();
+        let of_moments = if self.moment.is_empty() { 0 } else { early };
+        if !plan.place.is_empty() {
+            self.early_sums[0].resize(early, [0.0; 4]);
+            self.early_sums[1].resize(of_moments, [0.0; 4]);
+        }
         // The kernels do not know the steps of scaled masses.
         let least_dt = if self.mass_scaled { 0.0 } else { self.least_dt };
-        for batch in &mut batches {
-            let b = &mut self.blocks[batch.block];
-            let slots = b.base..b.base + b.corner_slots();
-            let moment =
-                if self.moment.is_empty() { &mut [][..] } else { &mut self.moment[slots.clone()] };
-            let out = ElementNodalForces { force: &mut self.force[slots], moment };
-            let mut pass = if b.slow {
-                let cycles = self.subcycles as f64;
-                let steps = [cycles * dt, cycles * least_dt];
-                let mut pass = b.forces(batch.groups.clone(), nodes.mean_view(), steps, out);
-                let filled = b.slots_of(&batch.groups);
-                self.force[filled.clone()].as_flattened_mut().iter_mut().for_each(|f| *f *= cycles);
-                if !self.moment.is_empty() {
-                    self.moment[filled].as_flattened_mut().iter_mut().for_each(|m| *m *= cycles);
+        if plan.place.is_empty() {
+            for batch in &mut batches {
+                totals.add(&self.compute(nodes, [dt, least_dt], batch));
+                self.assemble_at(&plan, nodes, &plan.early[batch.nodes.clone()]);
+                if let Some(before) = &mut clock {
+                    let now = thread_cpu();
+                    batch.add_cost(now.saturating_sub(*before));
+                    *before = now;
                 }
-                self.slow_dt = self.slow_dt.min(pass.stable_dt / cycles);
-                pass.stable_dt = f64::INFINITY;
-                pass
-            } else {
-                b.forces(batch.groups.clone(), nodes.view(), [dt, least_dt], out)
-            };
-            pass.trouble = pass.trouble.map(|i| b.first + i);
-            totals.add(&pass);
-            self.assemble_nodal(&plan, nodes, &plan.early[batch.nodes.clone()]);
-            if let Some(before) = &mut clock {
-                let now = thread_cpu();
-                let cost = now.saturating_sub(*before).as_secs_f64();
-                let newest = if batch.cost > 0.0 { NEWEST } else { 1.0 };
-                batch.cost += newest * (cost - batch.cost);
-                *before = now;
             }
+        } else {
+            let runs = &plan.runs[portion as usize];
+            let steps = [dt, least_dt];
+            totals.add(&self.compute_side_by_side(nodes, steps, &plan, (&mut batches, runs)));
         }
         plan.batches[portion as usize] = batches;
         self.plans[set as usize] = plan;
         totals.stable_dt = totals.stable_dt.min(self.slow_dt);
         totals
+    }
+
+    /// Computes a batch.
+    fn compute(
+        &mut self,
+        nodes: &Nodes,
+        [dt, least_dt]: [f64; 2],
+        batch: &AssemblyBatch,
+    ) -> PassTotals {
+        let b = &mut self.blocks[batch.block];
+        let slots = b.base..b.base + b.corner_slots();
+        let moment =
+            if self.moment.is_empty() { &mut [][..] } else { &mut self.moment[slots.clone()] };
+        let out = ElementNodalForces { force: &mut self.force[slots], moment };
+        let (view, steps) = motion_of(b, nodes, [dt, least_dt], self.subcycles);
+        let pass = b.forces(batch.groups.clone(), view, steps, out);
+        self.complete(batch, pass)
+    }
+
+    /// Returns the totals of a batch that has been computed: trouble as an index into `elements`.
+    /// The forces of slow elements act in one cycle for all cycles of the outer step.
+    fn complete(&mut self, batch: &AssemblyBatch, mut pass: PassTotals) -> PassTotals {
+        let b = &self.blocks[batch.block];
+        if b.slow {
+            let cycles = self.subcycles as f64;
+            let filled = b.slots_of(&batch.groups);
+            self.force[filled.clone()].as_flattened_mut().iter_mut().for_each(|f| *f *= cycles);
+            if !self.moment.is_empty() {
+                self.moment[filled].as_flattened_mut().iter_mut().for_each(|m| *m *= cycles);
+            }
+            self.slow_dt = self.slow_dt.min(pass.stable_dt / cycles);
+            pass.stable_dt = f64::INFINITY;
+        }
+        pass.trouble = pass.trouble.map(|i| b.first + i);
+        pass
     }
 
     /// Returns true if local node `i` has slow elements and no others.
@@ -517,18 +548,23 @@ impl Blocks {
         self.between.iter().map(|&i| i as usize).filter(move |&i| nodes.is_owned(i)).map(of)
     }
 
-    /// Assembles the local nodes that are not assembled yet.
+    /// Assembles the local nodes that are not assembled yet. Several threads also give the nodes
+    /// the sums that they have computed with the elements.
     pub fn assemble(&self, nodes: &mut Nodes, set: ElementSet) {
         let plan = &self.plans[set as usize];
-        self.assemble_nodal(plan, nodes, &plan.late);
+        match plan.place.is_empty() {
+            true => self.assemble_at(plan, nodes, &plan.late),
+            false => self.assemble_side_by_side(plan, nodes),
+        }
     }
 
-    fn assemble_nodal(&self, plan: &AssemblyPlan, nodes: &mut Nodes, which: &[u32]) {
+    fn assemble_at(&self, plan: &AssemblyPlan, nodes: &mut Nodes, which: &[u32]) {
+        let which = which.iter().map(|&i| [i as usize; 2]);
         if self.moment.is_empty() {
-            plan.assemble(&self.force, &mut nodes.force, which);
+            plan.assemble((&self.force, 0), &mut nodes.force, which);
         } else {
             let sums = [&mut nodes.force[..], &mut nodes.moment[..]];
-            plan.assemble_both([&self.force, &self.moment], sums, which);
+            plan.assemble_both(([&self.force, &self.moment], 0), sums, which);
         }
     }
 
@@ -621,6 +657,20 @@ impl Blocks {
             }
         }
         self.force.fill([0.0; 4]);
+    }
+}
+
+/// Returns the motion that the elements of a block see, and their last step and least stable step
+/// [time]: slow elements use the mean motion of the previous outer step.
+fn motion_of<'a>(
+    block: &Block,
+    nodes: &'a Nodes,
+    steps: [f64; 2],
+    subcycles: u64,
+) -> (NodeView<'a>, [f64; 2]) {
+    match block.slow {
+        true => (nodes.mean_view(), steps.map(|step| subcycles as f64 * step)),
+        false => (nodes.view(), steps),
     }
 }
 

@@ -15,6 +15,30 @@ pub enum HistoryStorage<D, S> {
 /// Columns of a block, mutable, for its kernels.
 pub type HistoryColumnsMut<'a> = HistoryStorage<&'a mut [Lane], &'a mut [Lane32]>;
 
+impl HistoryColumnsMut<'_> {
+    /// Returns the number of elements per group.
+    pub fn lanes(&self) -> usize {
+        match self {
+            Self::Double(_) => LANES,
+            Self::Single(_) => LANES32,
+        }
+    }
+
+    /// Cuts the columns of `all` groups into those of the first `groups` groups and the rest.
+    pub fn split_at(self, groups: usize, all: usize) -> (Self, Self) {
+        match self {
+            Self::Double(columns) => {
+                let (first, rest) = columns.split_at_mut(groups * (columns.len() / all));
+                (Self::Double(first), Self::Double(rest))
+            }
+            Self::Single(columns) => {
+                let (first, rest) = columns.split_at_mut(groups * (columns.len() / all));
+                (Self::Single(first), Self::Single(rest))
+            }
+        }
+    }
+}
+
 /// All columns of a block.
 #[derive(Clone)]
 pub struct HistoryColumns {

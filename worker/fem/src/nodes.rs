@@ -7,9 +7,11 @@ use crate::time::ElementSet;
 use bytemuck::{Pod, Zeroable};
 use crumple_math::lanes::Lane;
 use crumple_math::row::{Row, row, xyz};
+use crumple_math::threads;
 use crumple_math::vector_range::VectorRange;
 use crumple_proto::ids::NodeId;
 use crumple_proto::partition::NodeRecord;
+use std::ops::Range;
 
 /// Nodal columns as elements see them, indexed by local node; the fourth component is padding.
 #[derive(Clone, Copy)]
@@ -103,6 +105,14 @@ pub struct ContactNode {
     pub inverse: [[f64; 3]; 2],
     /// Lumped mass [mass].
     pub mass: f64,
+}
+
+/// Least number of nodes of which a thread computes the motion at a time.
+const PIECE: usize = 4096;
+
+/// Returns the ranges of the rotational columns: those of nodes, or as many empty ones.
+fn turning_ranges(ranges: &[Range<usize>], rotations: bool) -> Vec<Range<usize>> {
+    ranges.iter().map(|range| if rotations { range.clone() } else { 0..0 }).collect()
 }
 
 /// Owner of the nodes that [`Nodes::push_contact_node`] appends.
@@ -258,31 +268,43 @@ impl Nodes {
     /// Computes velocities at the next mid-step from forces and moments, without contact and
     /// walls. `mid` is the velocity step [time].
     pub fn accelerate(&mut self, mid: f64) {
-        for i in 0..self.local_count {
-            for c in 0..4 {
-                self.v_next[i][c] = self.v[i][c] + mid * self.force[i][c] * self.inv_mass[i][c];
+        let ranges = threads::ranges(self.local_count, PIECE);
+        let next = threads::cut(&mut self.v_next, &ranges);
+        let turning = threads::cut(&mut self.w_next[..], &turning_ranges(&ranges, self.rotations));
+        let pieces = ranges.into_iter().zip(next.into_iter().zip(turning)).collect();
+        threads::map(pieces, |(range, (next, turning))| {
+            for (i, next) in range.clone().zip(next) {
+                for c in 0..4 {
+                    next[c] = self.v[i][c] + mid * self.force[i][c] * self.inv_mass[i][c];
+                }
             }
-        }
-        let turning =
-            self.w_next.iter_mut().zip(&self.w).zip(self.moment.iter().zip(&self.inv_inertia));
-        for ((next, w), (moment, inverse)) in turning {
-            for c in 0..4 {
-                next[c] = w[c] + mid * moment[c] * inverse[c];
+            for (i, next) in range.zip(turning) {
+                for c in 0..4 {
+                    next[c] = self.w[i][c] + mid * self.moment[i][c] * self.inv_inertia[i][c];
+                }
             }
-        }
+        });
     }
 
     /// Moves local nodes to the next time, by the step `dt` [time].
     pub fn advance(&mut self, dt: f64) {
         std::mem::swap(&mut self.v, &mut self.v_next);
-        let (x, v) = (&mut self.x[..self.local_count], &self.v[..self.local_count]);
-        self.displacements = VectorRange::from_vectors(x.len(), |i| {
-            let by = Lane::splat(dt) * Lane::new(v[i]);
-            x[i] = (Lane::new(x[i]) + by).to_array();
-            by
+        let ranges = threads::ranges(self.local_count, PIECE);
+        let turning = turning_ranges(&ranges, self.rotations);
+        let x = threads::cut(&mut self.x, &ranges);
+        let w = threads::cut(&mut self.w, &turning);
+        let w_next = threads::cut(&mut self.w_next, &turning);
+        let pieces = ranges.into_iter().zip(x).zip(w.into_iter().zip(w_next)).collect();
+        let moved = threads::map(pieces, |((range, x), (w, w_next))| {
+            let v = &self.v[range];
+            w.swap_with_slice(w_next);
+            VectorRange::from_vectors(x.len(), |i| {
+                let by = Lane::splat(dt) * Lane::new(v[i]);
+                x[i] = (Lane::new(x[i]) + by).to_array();
+                by
+            })
         });
-        let turning = self.local_count.min(self.w_next.len());
-        self.w[..turning].swap_with_slice(&mut self.w_next[..turning]);
+        self.displacements = VectorRange::of_all(moved);
     }
 
     /// Adds the velocities of a cycle to the mean over an outer step of `subcycles` cycles.

@@ -54,6 +54,7 @@ pub fn settings() -> Settings {
         adaptivity: None,
         buffer: 1.0,
         force_every: 0,
+        threads: 1,
         contact_decomposition: ContactDecomposition::Boxes,
     }
 }

@@ -41,6 +41,11 @@ impl VectorRange {
         (self.low, self.high) = (Real::min(v, self.low), Real::max(v, self.high));
     }
 
+    /// Returns the range of all sets together.
+    pub fn of_all(sets: impl IntoIterator<Item = Self>) -> Self {
+        sets.into_iter().fold(Self::default(), |all, set| all.joined(&set))
+    }
+
     /// Returns the range of both sets.
     #[inline]
     fn joined(&self, other: &Self) -> Self {

@@ -6,7 +6,7 @@
 //! to nodes or elements: it is the same on all workers ([`CommonState`]), or a sum of what one
 //! worker did ([`WorkerState`]), which may go to any worker.
 
-use super::Engine;
+use super::{Engine, start_threads};
 use crate::adaptivity::Adaptivity;
 use crate::airbags::{Airbags, BagMemory};
 use crate::constraints::{ConstraintState, Constraints};
@@ -257,6 +257,7 @@ impl Engine {
         share: PartitionData,
         (common, own): (CommonState, WorkerState),
     ) -> Result<Self, RankLost> {
+        start_threads(&settings);
         common.constraints.settle(&mut settings);
         let adaptivity = common.adaptivity.and_then(|state| state.with_settings(&settings));
         if let Some(adaptivity) = &adaptivity {

@@ -44,6 +44,19 @@ const FORCE_EVERY: ParameterRow = ParameterRow {
               for none.",
 };
 
+/// Threads of each worker.
+const THREADS: ParameterRow = ParameterRow {
+    key: "threads",
+    form: Form::Whole,
+    otherwise: DefaultValue::Whole(1),
+    range: Some(Range {
+        wanted: "from 1 to 1024; about the cores of a socket or node",
+        fits: |x| (1.0..=1024.0).contains(&x),
+    }),
+    meaning: "Number of threads of each worker, which share its loops: elements, nodes and the \
+              searches of contact. The results have the same bits. `--threads` overrides it.",
+};
+
 /// The workers that search for contact.
 const CONTACT: ParameterRow = ParameterRow {
     key: "contact",
@@ -69,12 +82,14 @@ pub struct BoxDecomposition {
     pub force_every: u64,
     /// The workers that search for contact.
     pub contact: ContactDecomposition,
+    /// Number of threads of each worker.
+    pub threads: usize,
 }
 
 impl BoxDecomposition {
     /// Its keys in `[parallel]`.
     pub const KEYS: &[ParameterRow] =
-        &[BUFFER, IMBALANCE, LOW_EVERY_AT_LEAST, FORCE_EVERY, CONTACT];
+        &[BUFFER, IMBALANCE, LOW_EVERY_AT_LEAST, FORCE_EVERY, CONTACT, THREADS];
 
     /// Returns the settings of a job, whose values have been checked.
     pub fn new(job: &Parallel) -> Self {
@@ -88,6 +103,7 @@ impl BoxDecomposition {
                 "rcb" => ContactDecomposition::Rcb,
                 _ => ContactDecomposition::Boxes,
             },
+            threads: values.whole(THREADS.key).max(1) as usize,
         }
     }
 }
@@ -107,6 +123,7 @@ mod tests {
             low_every_at_least: 200,
             force_every: 0,
             contact: ContactDecomposition::Boxes,
+            threads: 1,
         };
         assert_eq!(all, wanted);
     }

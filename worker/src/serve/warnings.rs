@@ -1,4 +1,4 @@
-//! Warnings of a worker: deleted shells, reduced penalties, edges that cross surfaces.
+//! Warnings of a worker: more threads than cores, deleted shells, reduced penalties, edges that cross surfaces.
 
 use super::RunningWorker;
 use crumple_proto::message::{EdgeCrossings, ToMaster};
@@ -35,6 +35,21 @@ impl RunningWorker {
             post(comm, 0, Tag::Report, &ToMaster::Warning(warning))?;
         }
         Ok(())
+    }
+
+    /// Warns if the threads of the first worker have to wait for each other.
+    pub(super) fn warn_of_few_cores(&self, comm: &mut dyn Transport) -> Result<(), RankLost> {
+        let threads = self.engine.settings.threads;
+        let cores = std::thread::available_parallelism().map_or(usize::MAX, usize::from);
+        if threads <= cores || comm.rank() != 1 {
+            return Ok(());
+        }
+        let warning = format!(
+            "a worker has {threads} threads and may use {cores} cores, so its threads wait for \
+             each other: give fewer --threads or, under mpirun, let a rank use more cores with \
+             --bind-to none or --map-by slot:PE={threads}"
+        );
+        post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 
     /// Warns once that penalty stiffness was lowered. The summary has the final number of pairs.

@@ -161,7 +161,7 @@ impl Model {
     }
 
     /// Returns the number of workers: as requested by the command line or mpirun, otherwise as in
-    /// the job, otherwise at most `cores`. Returns an error if it is 0 or larger than the number
+    /// the job, otherwise as many as have all their threads on `cores`. Returns an error if it is 0 or larger than the number
     /// of elements.
     pub fn workers(&self, asked: Option<usize>, cores: usize) -> Result<usize, Report> {
         let elements = self.mesh.elements.len();
@@ -169,7 +169,7 @@ impl Model {
         let (count, path) = match (asked, from_job) {
             (Some(n), _) => (n, ""),
             (None, Some(n)) => (n, "parallel.workers"),
-            (None, None) => return Ok(cores.clamp(1, elements)),
+            (None, None) => return Ok((cores / self.settings.threads).clamp(1, elements)),
         };
         let problem = match count {
             0 => Problem::error(

@@ -333,6 +333,7 @@ pub fn settings(
         buffer: or(decomposition.buffer, median.min(COARSE * smallest)),
         force_every: decomposition.force_every,
         contact_decomposition: decomposition.contact,
+        threads: decomposition.threads,
     };
     (settings, order)
 }

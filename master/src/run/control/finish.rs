@@ -60,6 +60,7 @@ impl Control<'_> {
         let count: usize = self.outline.elements.values().sum();
         let computed = count as u64 * end.cycles + end.divisions.computed;
         let (job, balance) = (&self.model.job, &self.balance);
+        let threads = self.model.settings.threads;
         Summary {
             title: job.title.clone(),
             units: job.units.clone(),
@@ -69,9 +70,10 @@ impl Control<'_> {
             cycles: end.cycles,
             nodes: self.outline.nodes,
             workers: self.workers,
+            threads,
             transport: self.comm.name().into(),
             wall_s,
-            grind_ns: 1e9 * wall_s * self.workers as f64 / computed.max(1) as f64,
+            grind_ns: 1e9 * wall_s * (self.workers * threads) as f64 / computed.max(1) as f64,
             phase_s: summary::phases(&closings),
             cpu_s: self.cpu(&closings),
             energy: self.energy(),

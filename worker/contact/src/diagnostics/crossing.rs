@@ -6,7 +6,7 @@
 
 use crate::folds::{Edge, EdgeTable};
 use crate::geometry::project_edges;
-use crate::search::Search;
+use crate::search::{Search, accepted};
 use crate::surface::{Segment, Surface};
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{Row, V3};
@@ -74,8 +74,7 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
         let mut near = of_segment.filter(near).peekable();
         near.peek().is_some() && meets(e) && near.any(meets)
     };
-    let mut found: Vec<Crossing> = Vec::new();
-    find(&boxes, &middles, &mut |g, i| {
+    let is_crossing = |g: u32, i: u32| {
         let (s, e) = (&surface.segments[g as usize], edges[i as usize]);
         let apart = !e.nodes.iter().any(|n| s.nodes.contains(n) || s.behind.contains(n));
         let touch = || {
@@ -85,13 +84,14 @@ pub fn crossings(surface: &Surface, nodes: &Nodes, time: f64, find: Search) -> V
         };
         let passed =
             |i: u16| through(s, e, i, &nodes.x) && !through(s, e, i, &nodes.x0) && !held(s, e, i);
-        if apart && touch().is_some_and(passed) {
-            found.push(Crossing {
-                edge: lines.lowest_segment(e, surface).id.elem(),
-                surface: s.id.elem(),
-            });
-        }
-    });
+        apart && touch().is_some_and(passed)
+    };
+    let crossing = |[g, i]: [u32; 2]| Crossing {
+        edge: lines.lowest_segment(edges[i as usize], surface).id.elem(),
+        surface: surface.segments[g as usize].id.elem(),
+    };
+    let found = accepted(find, &boxes, &middles, is_crossing);
+    let mut found: Vec<Crossing> = found.into_iter().map(crossing).collect();
     found.sort_unstable();
     found.dedup();
     found

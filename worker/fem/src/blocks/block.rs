@@ -233,30 +233,40 @@ impl Block {
         }
     }
 
-    /// Computes the forces of the groups `range` after a step `dt`; solids with a stable step below
-    /// `least_dt` may be deleted [time].
-    pub(super) fn forces(
-        &mut self,
-        range: Range<usize>,
-        nodes: NodeView<'_>,
+    /// Returns the formulation and a pass over all groups after a step `dt`, which writes the
+    /// forces to `out`; solids with a stable step below `least_dt` may be deleted [time].
+    pub(super) fn pass<'a>(
+        &'a mut self,
+        nodes: NodeView<'a>,
         [dt, least_dt]: [f64; 2],
-        out: ElementNodalForces<'_>,
-    ) -> PassTotals {
-        let (groups, history, unstrained) =
-            (&self.groups[..], self.history.as_mut(), &mut self.unstrained[..]);
-        self.element.forces(ElementPass {
-            range,
+        out: ElementNodalForces<'a>,
+    ) -> (&'a dyn Element, ElementPass<'a>) {
+        let pass = ElementPass {
+            range: 0..self.group_count(),
             count: self.count,
-            groups,
-            history,
-            unstrained,
+            groups: &self.groups,
+            history: self.history.as_mut(),
+            unstrained: &mut self.unstrained,
             nodes,
             dt,
             least_dt,
             step_factors: &self.step_factors,
             out,
             energies: &mut self.energies,
-        })
+        };
+        (&*self.element, pass)
+    }
+
+    /// Computes the forces of the groups `range`, see [`Self::pass`].
+    pub(super) fn forces(
+        &mut self,
+        range: Range<usize>,
+        nodes: NodeView<'_>,
+        steps: [f64; 2],
+        out: ElementNodalForces<'_>,
+    ) -> PassTotals {
+        let (element, pass) = self.pass(nodes, steps, out);
+        element.forces(ElementPass { range, ..pass })
     }
 }
 

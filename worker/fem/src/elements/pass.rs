@@ -95,6 +95,52 @@ pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     pub energies: &'a mut [f64],
 }
 
+impl ElementPass<'_> {
+    /// Cuts a pass over all groups of a block into two: over the first `groups` groups, and over
+    /// the rest. Groups and elements of each count from 0.
+    pub fn split_at(self, groups: usize) -> [Self; 2] {
+        let (all, lanes) = (self.unstrained.len().max(1), self.history.lanes());
+        let of_group = |length: usize| groups * (length / all);
+        let elements = (groups * lanes).min(self.count);
+        let (first, rest) = self.groups.split_at(of_group(self.groups.len()));
+        let factors = self.step_factors.split_at(of_group(self.step_factors.len()));
+        let history = self.history.split_at(groups, all);
+        let unstrained = self.unstrained.split_at_mut(groups);
+        let ElementNodalForces { force, moment } = self.out;
+        let force = force.split_at_mut(groups * (force.len() / all));
+        let moment = moment.split_at_mut(groups * (moment.len() / all));
+        let energies = self.energies.split_at_mut(groups * (self.energies.len() / all));
+        [
+            ElementPass {
+                range: 0..groups,
+                count: elements,
+                groups: first,
+                history: history.0,
+                unstrained: unstrained.0,
+                nodes: self.nodes,
+                dt: self.dt,
+                least_dt: self.least_dt,
+                step_factors: factors.0,
+                out: ElementNodalForces { force: force.0, moment: moment.0 },
+                energies: energies.0,
+            },
+            ElementPass {
+                range: 0..all - groups,
+                count: self.count - elements,
+                groups: rest,
+                history: history.1,
+                unstrained: unstrained.1,
+                nodes: self.nodes,
+                dt: self.dt,
+                least_dt: self.least_dt,
+                step_factors: factors.1,
+                out: ElementNodalForces { force: force.1, moment: moment.1 },
+                energies: energies.1,
+            },
+        ]
+    }
+}
+
 /// One element of a pass, see [`ElementPass::one_by_one`].
 pub(super) struct SingleElement<'a, const C: usize> {
     /// Its index in the block. Its slots are C times this index and those that follow.
