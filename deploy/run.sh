@@ -4,12 +4,13 @@
 #   deploy/run.sh                                     the jeep frame; results in out/jeep-frame
 #   deploy/run.sh cases/tumble --end-time 1           another job, and options of `crumple run`
 #   WORKERS=4 deploy/run.sh                           four workers; the default is one per core
+#   WORKERS=2 deploy/run.sh JOB --threads 4           two workers, each with four threads
 #   RETRIES=3 deploy/run.sh                           starts again when a worker is lost
 #   CRUMPLE=target/debug/crumple deploy/run.sh        a binary with MPI that is there already
 #   deploy/run.sh serve                               a service for jobs; prints its address
 set -euo pipefail
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
-    sed -n '2,9s/^# \{0,1\}//p' "$0"
+    sed -n '2,10s/^# \{0,1\}//p' "$0"
     exit 0
 fi
 
@@ -35,11 +36,14 @@ name=$(basename "$job")
 name=${name%.*}
 
 out=
+threads=1
 arguments=("$@")
 for ((i = 0; i < $#; i++)); do
     case ${arguments[i]} in
         --out) out=${arguments[i + 1]:-} ;;
         --out=*) out=${arguments[i]#--out=} ;;
+        --threads) threads=${arguments[i + 1]:-} ;;
+        --threads=*) threads=${arguments[i]#--threads=} ;;
     esac
 done
 if [[ -z $serve && -z $out ]]; then
@@ -47,7 +51,15 @@ if [[ -z $serve && -z $out ]]; then
     arguments+=(--out "$out")
 fi
 
-workers=${WORKERS:-$(nproc)}
+# The threads of a worker need more than one core.
+bind=
+if [[ $threads =~ ^[1-9][0-9]*$ && $threads -gt 1 ]]; then
+    bind=" --bind-to none"
+else
+    threads=1 # the program reports what is no number
+fi
+cores=$(nproc)
+workers=${WORKERS:-$((cores > threads ? cores / threads : 1))}
 if ! [[ $workers =~ ^[1-9][0-9]*$ ]]; then
     echo "run: WORKERS is '$workers'; it must be a number of at least 1" >&2
     exit 2
@@ -80,7 +92,7 @@ pass_on() {
 trap 'pass_on TERM' INT TERM HUP
 trap 'pass_on USR1' USR1
 "$program" run "$job" "${arguments[@]}" --retries "${RETRIES:-0}" --workers "$workers" \
-    --launcher "mpirun -n {ranks}" &
+    --launcher "mpirun$bind -n {ranks}" &
 run=$!
 [[ -z $early ]] || pass_on "$early"
 # A signal ends `wait` early, with a code above 128.

@@ -108,7 +108,7 @@ pub struct ContactNode {
 }
 
 /// Least number of nodes of which a thread computes the motion at a time.
-const PIECE: usize = 4096;
+const PIECE: usize = 1024;
 
 /// Returns the ranges of the rotational columns: those of nodes, or as many empty ones.
 fn turning_ranges(ranges: &[Range<usize>], rotations: bool) -> Vec<Range<usize>> {

@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 /// Least number of nodes that a thread assembles at a time.
-const NODES: usize = 1024;
+const NODES: usize = 512;
 
 /// A batch of a run.
 struct BatchPass<'a> {
