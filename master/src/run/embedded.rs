@@ -250,12 +250,11 @@ pub fn time_side_by_side(
         let mut engine = Engine::new(comm, model.settings.clone(), tree.clone(), share)
             .map_err(|l| l.to_string())?;
         engine.blocks.compute_all();
-        let cpu = |comm: &dyn Transport| busy(comm);
-        let mut before = (cpu(comm), Instant::now(), engine.timer.seconds, comm.traffic());
+        let mut before = (busy(comm), Instant::now(), engine.timer.seconds, comm.traffic());
         while engine.clock.cycle < skip + cycles {
             if engine.clock.cycle == skip {
                 engine.timer.restart();
-                before = (cpu(comm), Instant::now(), engine.timer.seconds, comm.traffic());
+                before = (busy(comm), Instant::now(), engine.timer.seconds, comm.traffic());
             }
             let agreed = step(&mut engine, comm).map_err(|lost| lost.to_string())?;
             if let Some(failure) = agreed.failure {
@@ -272,7 +271,7 @@ pub fn time_side_by_side(
         let traffic = comm.traffic();
         Ok(Timing {
             cycles,
-            cpu_s: cpu(comm).saturating_sub(cpu_before).as_secs_f64(),
+            cpu_s: busy(comm).saturating_sub(cpu_before).as_secs_f64(),
             wall_s: start.elapsed().as_secs_f64(),
             phases: std::array::from_fn(|p| engine.timer.seconds[p] - seconds[p]),
             traffic: Traffic {

@@ -6,7 +6,7 @@ use crate::geometry::Sphere;
 use crate::reach::reach_of_old;
 use crate::search::{Search, accepted};
 use crate::search_reach;
-use crate::surface::{Segment, Surface};
+use crate::surface::Surface;
 use crate::surroundings::Exclusions;
 use crumple_fem::nodes::Nodes;
 use crumple_math::row::{V3, xyz};

@@ -98,8 +98,8 @@ impl AssemblyPlan {
         slots_of: impl Fn(&AssemblyBatch) -> Range<usize>,
     ) {
         (self.batches, self.runs) = (batches, runs);
-        // Batch after which each slot is complete; slots of inactive elements always are, but belong
-        // to no run.
+        // Batch after which each slot is complete; slots of inactive elements always are, but
+        // belong to no run.
         let is_cut = self.runs.iter().any(|runs| !runs.is_empty());
         let mut when = vec![if is_cut { u32::MAX } else { 0 }; received];
         for (number, batch) in self.batches.iter().flatten().enumerate() {
@@ -129,8 +129,8 @@ impl AssemblyPlan {
                 .max_by_key(|w| w.unwrap_or(u32::MAX));
             let complete = complete.flatten().filter(|&w| {
                 let run = |w: u32| run_of.get(w as usize);
-                let mut others = self.slots_of(i).iter().map(|&slot| when[slot as usize]);
-                !is_cut || others.all(|other| run(other) == run(w))
+                let mut others = self.slots_of(i).iter().map(|&slot| when.get(slot as usize));
+                !is_cut || others.all(|other| other.is_some_and(|&other| run(other) == run(w)))
             });
             match complete.and_then(|w| ready.get_mut(w as usize)) {
                 Some(batch) => batch.push(i as u32),

@@ -1,4 +1,5 @@
-//! Warnings of a worker: more threads than cores, deleted shells, reduced penalties, edges that cross surfaces.
+//! Warnings of a worker: more threads than cores, deleted shells, reduced penalties, edges that
+//! cross surfaces.
 
 use super::RunningWorker;
 use crumple_proto::message::{EdgeCrossings, ToMaster};

@@ -7,7 +7,8 @@
 //!
 //! Each round runs all scenes in turn, so that a slowdown of the machine affects all of them. A
 //! scene restarts in every round and is timed over the same cycles. Times are CPU times of the
-//! workers without waiting. With two workers or more the wall time is reported as well.
+//! workers without waiting. The wall time is reported as well: with several workers or threads it
+//! is shorter.
 
 mod calibration;
 mod scenes;

@@ -24,6 +24,7 @@ const STABILISED: &str = "part.tube.element=stabilised_quad";
 const INTEGRATED: &str = "part.tube.element=fully_integrated_quad";
 const FINE: &str = "scene.elements=57";
 const SINGLE: &str = "elements.precision=single";
+const TWO_THREADS: &str = "parallel.threads=2";
 
 /// All scenes, in the order in which they are timed. The goal is a fifth of the time of the
 /// established open solver in its stock build (OpenRadioss of August 2026 on an EPYC of Zen 4),
@@ -45,8 +46,10 @@ pub const SCENES: &[BenchScene] = &[
     fine("tube-65k-shuffled", "tube-crush", &[FINE, PLAIN, "scene.shuffle=1"]),
     fine("tube-65k-stabilised", "tube-crush", &[FINE, STABILISED]),
     BenchScene { workers: 2, ..fine("tube-65k-2-workers", "tube-crush", &[FINE, PLAIN]) },
+    fine("tube-65k-2-threads", "tube-crush", &[FINE, PLAIN, TWO_THREADS]),
     scene("jeep-frame", "jeep-frame"),
     BenchScene { workers: 2, ..scene("jeep-frame-2-workers", "jeep-frame") },
+    BenchScene { sets: &[TWO_THREADS], ..scene("jeep-frame-2-threads", "jeep-frame") },
     fine("jeep-frame-65k", "jeep-frame", &["scene.refine=3"]),
     BenchScene { goal_ns: 60.0, ..scene("hex-bar", "bench/hex-bar") },
     BenchScene { sets: &["scene.nodes=4"], ..scene("tetrahedron-bar", "bench/hex-bar") },
