@@ -4,13 +4,14 @@
 #   deploy/run.sh                                     the jeep frame; results in out/jeep-frame
 #   deploy/run.sh cases/tumble --end-time 1           another job, and options of `crumple run`
 #   WORKERS=4 deploy/run.sh                           four workers; the default is one per core
-#   WORKERS=2 deploy/run.sh JOB --threads 4           two workers, each with four threads
+#   WORKERS=2 deploy/run.sh JOB --threads 4           two workers, each with four threads; threads
+#                                                     that only the job names are not known here
 #   RETRIES=3 deploy/run.sh                           starts again when a worker is lost
 #   CRUMPLE=target/debug/crumple deploy/run.sh        a binary with MPI that is there already
 #   deploy/run.sh serve                               a service for jobs; prints its address
 set -euo pipefail
 if [[ ${1:-} == -h || ${1:-} == --help ]]; then
-    sed -n '2,10s/^# \{0,1\}//p' "$0"
+    sed -n '2,11s/^# \{0,1\}//p' "$0"
     exit 0
 fi
 
@@ -44,6 +45,7 @@ for ((i = 0; i < $#; i++)); do
         --out=*) out=${arguments[i]#--out=} ;;
         --threads) threads=${arguments[i + 1]:-} ;;
         --threads=*) threads=${arguments[i]#--threads=} ;;
+        *parallel.threads=*) threads=${arguments[i]#*parallel.threads=} ;;
     esac
 done
 if [[ -z $serve && -z $out ]]; then

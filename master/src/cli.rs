@@ -197,13 +197,13 @@ pub struct JobArgs {
 /// Workers, and changes of the job.
 #[derive(Args, Clone, Debug, Default)]
 pub struct JobOptions {
-    /// Number of workers, at least 1 [default: parallel.workers of the job, else one per core;
-    /// under mpirun, ranks - 1].
+    /// Number of workers, at least 1 [default: parallel.workers of the job, else one per core, or
+    /// per --threads cores; under mpirun, ranks - 1].
     #[arg(long, value_name = "N", value_parser = workers)]
     pub workers: Option<usize>,
     /// Number of threads of each worker, which share its loops [default: parallel.threads of the
     /// job, else 1].
-    #[arg(long, value_name = "N", value_parser = workers)]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,
     #[arg(long = "set", value_name = "KEY=VALUE", help = SET_HELP)]
     set: Vec<String>,
@@ -676,6 +676,11 @@ fn workers(text: &str) -> Result<usize, String> {
         Ok(n) => Ok(n),
         Err(_) => Err("give a whole number from 1".into()),
     }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|n| (1..=1024).contains(n));
+    count.ok_or_else(|| "give the threads of each worker: a whole number from 1 to 1024".into())
 }
 
 fn several(text: &str) -> Result<usize, String> {

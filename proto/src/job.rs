@@ -373,8 +373,8 @@ pub enum Precision {
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Parallel {
-    /// Number of workers when they are threads; 0 for one per core. `--workers` and mpirun override
-    /// it.
+    /// Number of workers when they are threads; 0 for one per core, or per `threads` cores.
+    /// `--workers` and mpirun override it.
     pub workers: usize,
     /// Settings of the decomposition, by key. The worker publishes the keys.
     #[serde(flatten)]

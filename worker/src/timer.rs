@@ -3,10 +3,10 @@
 //! To read the CPU clock of a thread is a system call, which costs about as much as some elements.
 //! So CPU time by phase is measured in one of [`SAMPLE_EVERY`] cycles.
 
-use crate::trace::Recorder;
 use crate::math::threads;
+use crate::trace::Recorder;
 use crumple_proto::report::{PHASES, Phase, PhaseSeconds};
-use crumple_proto::transport::{RankLost, Transport, thread_cpu};
+use crumple_proto::transport::{RankLost, Transport};
 use std::time::{Duration, Instant};
 
 /// Number of cycles of which one is sampled.
@@ -39,10 +39,10 @@ impl Default for Timer {
     }
 }
 
-/// Returns the CPU time so far of this worker, which are this thread and its helpers, without
-/// waiting for messages.
+/// Returns the CPU time so far of this thread and its helpers, without waiting for messages or for
+/// each other.
 pub fn busy(comm: &dyn Transport) -> Duration {
-    (thread_cpu() + threads::helper_cpu()).saturating_sub(comm.wait_cpu())
+    threads::cpu().saturating_sub(comm.wait_cpu())
 }
 
 impl Timer {

@@ -375,7 +375,9 @@ fn try_out(
     };
     let mut ends = threads::connect(2);
     let (mut comm, _master) = (ends.remove(1), ends.remove(0)); // messages stay unread
-    let mut engine = Engine::new(&mut comm, settings.clone(), CutTree::single(), share)?;
+    // The cost of one core.
+    let alone = Settings { threads: 1, ..settings.clone() };
+    let mut engine = Engine::new(&mut comm, alone, CutTree::single(), share)?;
     engine.blocks.compute_all();
     let mut least = [f64::INFINITY; 4];
     let mut search_s = 0.0;

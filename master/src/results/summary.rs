@@ -162,7 +162,7 @@ pub struct ContactSummary {
     pub capped_per_cycle: f64,
 }
 
-/// CPU time of the workers without waiting [s]. Redecompositions are in neither sum over
+/// CPU time of the workers without waiting, each summed over its threads [s]. Redecompositions are in neither sum over
 /// cycles.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Cpu {

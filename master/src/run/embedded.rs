@@ -7,7 +7,7 @@ use crate::run::decompose::{Before, Centres, bisect};
 use crumple_proto::boxes::{Cut, CutTree};
 use crumple_proto::ids::{NodeId, SegmentId};
 use crumple_proto::mesh::MeshElement;
-use crumple_proto::partition::NodeRecord;
+use crumple_proto::partition::{NodeRecord, Settings};
 use crumple_proto::report::PhaseSeconds;
 use crumple_proto::transport::{RankLost, Traffic, Transport, threads};
 use crumple_worker::engine::{Engine, StepFailure};
@@ -75,7 +75,9 @@ impl Alone {
         let share = PartitionData { elements, nodes, ..PartitionData::default() };
         let mut ends = threads::connect(2);
         let (mut comm, _master) = (ends.remove(1), ends.remove(0));
-        let engine = Engine::new(&mut comm, model.settings.clone(), CutTree::single(), share)?;
+        // Its times are those of one core.
+        let settings = Settings { threads: 1, ..model.settings.clone() };
+        let engine = Engine::new(&mut comm, settings, CutTree::single(), share)?;
         Ok(Self { engine, comm, _master })
     }
 

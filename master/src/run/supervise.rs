@@ -120,7 +120,8 @@ struct Supervised<'a> {
 impl<'a> Supervised<'a> {
     fn new(args: &'a RunArgs, out: PathBuf) -> Self {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        let workers = args.options.workers.unwrap_or_else(cores);
+        let threads = args.options.threads.unwrap_or(1);
+        let workers = args.options.workers.unwrap_or_else(|| (cores() / threads).max(1));
         let earlier = Earlier::new(&out);
         let was_free = watched(&out, || occupied(&out)).is_none();
         Self { args, earlier, out, workers, own: None, in_vain: 0, was_free }

@@ -186,6 +186,43 @@ fn energy_stays_with_a_layer_and_resonates_without() {
     assert!(without > 1e3, "without: {without}");
 }
 
+/// A plate with short shells in it, one half of it rigid, the other under pressure: its slow and its
+/// fast shells are several batches, which threads share.
+#[test]
+fn threads_change_no_bit() {
+    let mut x = vec![0.0];
+    for i in 0..40 {
+        x.push(x[i] + if (28..31).contains(&i) { 1.25 } else { 5.0 });
+    }
+    let mut scene = Scene::default();
+    let left = scene.lattice(1, [10, 40], |i, j| [x[i], 5.0 * j as f64, 0.0]).all();
+    let right = scene.lattice(2, [30, 40], |i, j| [x[10 + i], 5.0 * j as f64, 0.0]).all();
+    scene.set_named("left", left);
+    scene.set_named("right", right);
+    let text = format!(
+        "end_time = 1.0\n{}\
+         [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"j2\"\n\
+         density = {RHO:?}\nyoungs_modulus = {E:?}\n\
+         poisson = 0.3\nhardening = [[0.0, 0.3], [1.0, 0.9]]\n[[part]]\nid = 1\n\
+         material = \"steel\"\nthickness = 1.0\nrigid = true\n\
+         [[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 1.0\n[[pressure]]\nparts = [2]\n\
+         pressure = -0.002\n\
+         [[initial_velocity]]\nnodes = \"right\"\nvelocity = [4.0, 1.0, -30.0]\n\
+         spin = [0.1, 0.2, 0.1]\ncentre = [40.0, 7.0, 2.0]\n",
+        scene.mesh_text()
+    );
+    let on = |threads: usize, workers: usize| {
+        let sets = ["time.subcycles=3", &format!("parallel.threads={threads}")];
+        let model = model_of(&text, &sets);
+        assert!(slow(&model) > 600, "{}", slow(&model));
+        run_side_by_side(&model, workers, 60, 7).digest()
+    };
+    let alone = on(1, 1);
+    for (threads, workers) in [(3, 1), (2, 2)] {
+        assert_eq!(on(threads, workers), alone, "{workers} workers of {threads} threads");
+    }
+}
+
 /// Two strips of shells with short shells in them collide, one of them under pressure: pairs and
 /// state on three workers are those of one worker. Boxes are renewed every 7 cycles, also in the
 /// middle of outer steps of 3.

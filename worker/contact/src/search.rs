@@ -230,6 +230,31 @@ mod tests {
             .collect()
     }
 
+    /// Pieces of the boxes on several threads.
+    #[test]
+    fn several_threads_find_the_same_in_the_same_order() {
+        let mut angle = 0.0_f64;
+        let mut scattered = || {
+            angle += 1.0;
+            50.0 * (angle * angle).sin()
+        };
+        let mut point = || std::array::from_fn(|_| scattered());
+        let points: Vec<[f64; 3]> = (0..2000).map(|_| point()).collect();
+        let boxes: Vec<Aabb> = (0..3000).map(|_| Aabb::around([point()]).grown(6.0)).collect();
+        let find = |threads: usize, method: Search| {
+            let run = || {
+                threads::start(threads).unwrap();
+                accepted(method, &boxes, &points, |b, p| !(b + p).is_multiple_of(3))
+            };
+            std::thread::scope(|s| s.spawn(run).join().unwrap())
+        };
+        for method in SEARCHES {
+            let alone = find(1, method.find);
+            assert!(alone.len() > 1000, "{}", alone.len());
+            assert!(find(3, method.find) == alone, "{}", method.name);
+        }
+    }
+
     proptest! {
         #[test]
         fn both_methods_find_what_looking_at_all_pairs_finds(

@@ -21,8 +21,8 @@ pub struct AssemblyPlan {
     pub early: Vec<u32>,
     /// With several threads the place of each local node in `early`, or [`LATE`].
     pub place: Vec<u32>,
-    /// Local nodes that are assembled at the end: they need messages of other workers, or they
-    /// have no slots.
+    /// Local nodes that are assembled at the end: they need messages of other workers, they have no
+    /// slots, or their slots belong to more than one run.
     pub late: Vec<u32>,
 }
 
@@ -98,8 +98,8 @@ impl AssemblyPlan {
         slots_of: impl Fn(&AssemblyBatch) -> Range<usize>,
     ) {
         (self.batches, self.runs) = (batches, runs);
-        // Batch after which each slot is complete; slots of inactive elements always are, but
-        // belong to no run.
+        // Batch after which each slot is complete. Slots of inactive elements always are, but
+        // belong to no run: with several threads nodes of such elements are assembled at the end.
         let is_cut = self.runs.iter().any(|runs| !runs.is_empty());
         let mut when = vec![if is_cut { u32::MAX } else { 0 }; received];
         for (number, batch) in self.batches.iter().flatten().enumerate() {
@@ -148,6 +148,11 @@ impl AssemblyPlan {
             self.place.resize(self.start.len().saturating_sub(1), LATE);
             (0..).zip(&self.early).for_each(|(place, &i)| self.place[i as usize] = place);
         }
+    }
+
+    /// Returns true if several threads compute the batches, in [`Self::runs`].
+    pub fn is_cut(&self) -> bool {
+        !self.place.is_empty()
     }
 
     /// Returns the slots of local node `i`, in ascending element id.

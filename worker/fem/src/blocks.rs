@@ -114,9 +114,9 @@ const BATCH: usize = 256;
 pub struct BlockBytes {
     /// History columns of laws and elements.
     pub history: usize,
-    /// Element nodal forces.
+    /// Element nodal forces, and sums of nodes with several threads.
     pub force: usize,
-    /// Element nodal moments.
+    /// Element nodal moments, and sums as of forces.
     pub moment: usize,
     /// Records, connectivity, flags of groups, and assembly plans.
     pub connectivity: usize,
@@ -401,6 +401,10 @@ impl Blocks {
         };
         let fast = if self.subcycles > 1 { of(ElementSet::Fast) } else { AssemblyPlan::default() };
         self.plans = [of(ElementSet::All), fast];
+        let early = self.plans.iter().filter(|plan| plan.is_cut()).map(|plan| plan.early.len());
+        let early = early.max().unwrap_or(0);
+        let turning = if self.moment.is_empty() { 0 } else { early };
+        self.early_sums = [early, turning].map(|count| vec![[0.0; 4]; count]);
         if self.subcycles > 1 {
             let corners = |i: usize| self.plans.each_ref().map(|plan| plan.slots_of(i).len());
             let is_between =
@@ -453,15 +457,13 @@ impl Blocks {
         let mut plan = std::mem::take(&mut self.plans[set as usize]);
         let mut batches = std::mem::take(&mut plan.batches[portion as usize]);
         let mut clock = self.timed.then(thread_cpu);
-        let early = plan.early.len();
-        let of_moments = if self.moment.is_empty() { 0 } else { early };
-        if !plan.place.is_empty() {
-            self.early_sums[0].resize(early, [0.0; 4]);
-            self.early_sums[1].resize(of_moments, [0.0; 4]);
-        }
         // The kernels do not know the steps of scaled masses.
         let least_dt = if self.mass_scaled { 0.0 } else { self.least_dt };
-        if plan.place.is_empty() {
+        if plan.is_cut() {
+            let runs = &plan.runs[portion as usize];
+            let steps = [dt, least_dt];
+            totals.add(&self.compute_side_by_side(nodes, steps, &plan, (&mut batches, runs)));
+        } else {
             for batch in &mut batches {
                 totals.add(&self.compute(nodes, [dt, least_dt], batch));
                 self.assemble_at(&plan, nodes, &plan.early[batch.nodes.clone()]);
@@ -471,10 +473,6 @@ impl Blocks {
                     *before = now;
                 }
             }
-        } else {
-            let runs = &plan.runs[portion as usize];
-            let steps = [dt, least_dt];
-            totals.add(&self.compute_side_by_side(nodes, steps, &plan, (&mut batches, runs)));
         }
         plan.batches[portion as usize] = batches;
         self.plans[set as usize] = plan;
@@ -496,21 +494,21 @@ impl Blocks {
         let out = ElementNodalForces { force: &mut self.force[slots], moment };
         let (view, steps) = motion_of(b, nodes, [dt, least_dt], self.subcycles);
         let pass = b.forces(batch.groups.clone(), view, steps, out);
+        if b.slow {
+            let filled = b.slots_of(&batch.groups);
+            let turning = if self.moment.is_empty() { 0..0 } else { filled.clone() };
+            let columns = [&mut self.force[filled], &mut self.moment[turning]];
+            act_for_cycles(columns, self.subcycles);
+        }
         self.complete(batch, pass)
     }
 
-    /// Returns the totals of a batch that has been computed: trouble as an index into `elements`.
-    /// The forces of slow elements act in one cycle for all cycles of the outer step.
+    /// Returns the totals of a batch that has been computed: trouble as an index into `elements`,
+    /// and a stable step of fast elements.
     fn complete(&mut self, batch: &AssemblyBatch, mut pass: PassTotals) -> PassTotals {
         let b = &self.blocks[batch.block];
         if b.slow {
-            let cycles = self.subcycles as f64;
-            let filled = b.slots_of(&batch.groups);
-            self.force[filled.clone()].as_flattened_mut().iter_mut().for_each(|f| *f *= cycles);
-            if !self.moment.is_empty() {
-                self.moment[filled].as_flattened_mut().iter_mut().for_each(|m| *m *= cycles);
-            }
-            self.slow_dt = self.slow_dt.min(pass.stable_dt / cycles);
+            self.slow_dt = self.slow_dt.min(pass.stable_dt / self.subcycles as f64);
             pass.stable_dt = f64::INFINITY;
         }
         pass.trouble = pass.trouble.map(|i| b.first + i);
@@ -552,9 +550,9 @@ impl Blocks {
     /// the sums that they have computed with the elements.
     pub fn assemble(&self, nodes: &mut Nodes, set: ElementSet) {
         let plan = &self.plans[set as usize];
-        match plan.place.is_empty() {
-            true => self.assemble_at(plan, nodes, &plan.late),
-            false => self.assemble_side_by_side(plan, nodes),
+        match plan.is_cut() {
+            true => self.assemble_side_by_side(plan, nodes),
+            false => self.assemble_at(plan, nodes, &plan.late),
         }
     }
 
@@ -657,6 +655,13 @@ impl Blocks {
             }
         }
         self.force.fill([0.0; 4]);
+    }
+}
+
+/// Lets forces and moments of slow elements act in one cycle for all cycles of the outer step.
+fn act_for_cycles(columns: [&mut [Row]; 2], subcycles: u64) {
+    for column in columns {
+        column.as_flattened_mut().iter_mut().for_each(|f| *f *= subcycles as f64);
     }
 }
 

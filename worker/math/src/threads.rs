@@ -9,8 +9,10 @@
 
 mod team;
 
-use std::cell::OnceCell;
+use crumple_proto::transport::thread_cpu;
+use std::cell::RefCell;
 use std::ops::Range;
+use std::rc::Rc;
 use std::sync::Mutex;
 use std::time::Duration;
 use team::Team;
@@ -21,31 +23,40 @@ const PIECES: usize = 4;
 
 thread_local! {
     /// Helpers of this thread. They end with it.
-    static TEAM: OnceCell<Team> = const { OnceCell::new() };
+    static TEAM: RefCell<Option<Rc<Team>>> = const { RefCell::new(None) };
 }
 
-/// Starts threads, so that `count` threads, with the calling one, share its loops from now on.
-/// A thread that has helpers keeps those.
+fn team() -> Option<Rc<Team>> {
+    TEAM.with(|own| own.borrow().clone())
+}
+
+/// Lets `count` threads, with the calling one, share its loops from now on. Other helpers that it
+/// had end.
 ///
 /// # Errors
-/// The system starts no more threads.
+/// The system starts no more threads; the calling thread has no helpers then.
 pub fn start(count: usize) -> Result<(), String> {
-    if count <= 1 || self::count() > 1 {
+    if team().map_or(1, |team| 1 + team.size()) == count.max(1) {
         return Ok(());
     }
-    let team = Team::start(count - 1).map_err(|why| format!("cannot start threads: {why}"))?;
-    TEAM.with(|own| own.set(team).ok());
+    TEAM.with(|own| own.take());
+    if count > 1 {
+        let team = Team::start(count - 1).map_err(|why| why.to_string())?;
+        TEAM.with(|own| own.replace(Some(Rc::new(team))));
+    }
     Ok(())
 }
 
 /// Returns the number of threads that share the loops of the calling thread.
 pub fn count() -> usize {
-    TEAM.with(|own| own.get().map_or(1, |team| 1 + team.size()))
+    team().map_or(1, |team| 1 + team.size())
 }
 
-/// Returns the CPU time so far of the threads that help the calling one.
-pub fn helper_cpu() -> Duration {
-    TEAM.with(|own| own.get().map_or(Duration::ZERO, Team::cpu))
+/// Returns the CPU time so far of the calling thread and its helpers in loops, without that of
+/// waiting for each other.
+pub fn cpu() -> Duration {
+    let [helped, waited] = team().map_or([Duration::ZERO; 2], |team| team.cpu());
+    (thread_cpu() + helped).saturating_sub(waited)
 }
 
 /// Returns the number of pieces into which a loop of `count` steps is cut, so that none has fewer
@@ -76,7 +87,7 @@ pub fn map<T: Send, U: Send>(pieces: Vec<T>, work: impl Fn(T) -> U + Sync) -> Ve
         let result = piece.map(&work);
         *done[i].lock().expect("no other thread has this result") = result;
     };
-    TEAM.with(|own| own.get().expect("there are helpers").run(due.len(), &one));
+    team().expect("there are helpers").run(due.len(), &one);
     let result = |of: Mutex<Option<U>>| of.into_inner().ok().flatten().expect("it is done");
     done.into_iter().map(result).collect()
 }
@@ -109,8 +120,6 @@ pub fn cut<'a, T>(mut column: &'a mut [T], ranges: &[Range<usize>]) -> Vec<&'a m
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_proto::transport::thread_cpu;
-
     /// Runs a test on a thread of its own, which gets helpers.
     fn with_threads<T: Send>(count: usize, run: impl FnOnce() -> T + Send) -> T {
         let run = || {
@@ -159,6 +168,20 @@ mod tests {
     }
 
     #[test]
+    fn a_thread_gets_the_helpers_of_its_last_start() {
+        let counts = with_threads(3, || {
+            let count_after = |count| {
+                start(count).unwrap();
+                let sum: usize = map((0..50).collect(), |i: usize| i).iter().sum();
+                assert_eq!(sum, 1225);
+                super::count()
+            };
+            [4, 4, 1, 2].map(count_after)
+        });
+        assert_eq!(counts, [4, 4, 1, 2]);
+    }
+
+    #[test]
     fn a_panic_in_a_piece_ends_the_loop_and_not_the_helpers() {
         let work = |i: usize| assert!(i % 7 != 3, "piece {i}");
         let (failed, after) = with_threads(3, || {
@@ -175,11 +198,11 @@ mod tests {
             let start = thread_cpu();
             while thread_cpu() - start < Duration::from_millis(5) {}
         };
-        let (own, helped) = with_threads(3, || {
-            let before = thread_cpu();
+        let all = with_threads(3, || {
+            let before = cpu();
             map(vec![(); 30], spin);
-            (thread_cpu() - before, helper_cpu())
+            cpu() - before
         });
-        assert!(own + helped >= Duration::from_millis(150), "{own:?} and {helped:?}");
+        assert!(all >= Duration::from_millis(150), "{all:?}");
     }
 }

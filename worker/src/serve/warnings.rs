@@ -2,6 +2,7 @@
 //! cross surfaces.
 
 use super::RunningWorker;
+use crate::math::threads;
 use crumple_proto::message::{EdgeCrossings, ToMaster};
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
@@ -42,14 +43,21 @@ impl RunningWorker {
     pub(super) fn warn_of_few_cores(&self, comm: &mut dyn Transport) -> Result<(), RankLost> {
         let threads = self.engine.settings.threads;
         let cores = std::thread::available_parallelism().map_or(usize::MAX, usize::from);
-        if threads <= cores || comm.rank() != 1 {
+        let workers = if comm.name() == "threads" { comm.size() - 1 } else { 1 };
+        if threads == 1 || comm.rank() != 1 {
             return Ok(());
         }
-        let warning = format!(
-            "a worker has {threads} threads and may use {cores} cores, so its threads wait for \
-             each other: give fewer --threads or, under mpirun, let a rank use more cores with \
-             --bind-to none or --map-by slot:PE={threads}"
-        );
+        let warning = if threads::count() < threads {
+            format!("the system did not start {threads} threads of a worker; it has a single one")
+        } else if threads * workers > cores {
+            format!(
+                "{workers} workers with {threads} threads may use {cores} cores, so threads wait \
+                 for each other: give fewer --workers or --threads or, under mpirun, let a rank \
+                 use more cores with --bind-to none or --map-by slot:PE={threads}"
+            )
+        } else {
+            return Ok(());
+        };
         post(comm, 0, Tag::Report, &ToMaster::Warning(warning))
     }
 

@@ -161,8 +161,8 @@ impl Model {
     }
 
     /// Returns the number of workers: as requested by the command line or mpirun, otherwise as in
-    /// the job, otherwise as many as have all their threads on `cores`. Returns an error if it is 0 or larger than the number
-    /// of elements.
+    /// the job, otherwise as many as have all their threads on `cores`. Returns an error if it is 0
+    /// or larger than the number of elements.
     pub fn workers(&self, asked: Option<usize>, cores: usize) -> Result<usize, Report> {
         let elements = self.mesh.elements.len();
         let from_job = Some(self.job.parallel.workers).filter(|&n| n > 0);

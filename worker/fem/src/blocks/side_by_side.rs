@@ -4,7 +4,7 @@
 //! that run while they are in its cache. [`Blocks::assemble`] gives these sums to the nodes, and
 //! sums the forces of the others.
 
-use super::{Blocks, motion_of};
+use super::{Blocks, act_for_cycles, motion_of};
 use crate::assembly::{AssemblyBatch, AssemblyPlan, LATE};
 use crate::elements::{Element, ElementNodalForces, ElementPass, PassTotals};
 use crate::nodes::Nodes;
@@ -27,7 +27,7 @@ struct BatchPass<'a> {
     /// Its slots.
     slots: Range<usize>,
     /// Number of cycles of an outer step for slow elements, or else 1.
-    cycles: f64,
+    cycles: u64,
     /// Nodes that are complete after it.
     nodes: &'a [u32],
 }
@@ -59,7 +59,7 @@ impl Blocks {
         for (number, block) in self.blocks.iter_mut().enumerate() {
             let (view, steps) = motion_of(block, nodes, steps, subcycles);
             let (base, each, lanes) = (block.base, block.group_slots(), block.lanes());
-            let cycles = if block.slow { subcycles as f64 } else { 1.0 };
+            let cycles = if block.slow { subcycles } else { 1 };
             let none = ElementNodalForces { force: &mut [], moment: &mut [] };
             let (element, mut rest) = block.pass(view, steps, none);
             let mut done = 0;
@@ -95,14 +95,8 @@ impl Blocks {
         let runs = runs.iter().map(cut).collect();
         let computed = threads::map(runs, |run| run.compute(plan, turns, timed));
         let mut totals = PassTotals::NONE;
-        for (batch, (mut pass, cost)) in batches.iter_mut().zip(computed.into_iter().flatten()) {
-            let block = &self.blocks[batch.block];
-            if block.slow {
-                self.slow_dt = self.slow_dt.min(pass.stable_dt / subcycles as f64);
-                pass.stable_dt = f64::INFINITY;
-            }
-            pass.trouble = pass.trouble.map(|i| block.first + i);
-            totals.add(&pass);
+        for (batch, (pass, cost)) in batches.iter_mut().zip(computed.into_iter().flatten()) {
+            totals.add(&self.complete(batch, pass));
             cost.into_iter().for_each(|cost| batch.add_cost(cost));
         }
         totals
@@ -175,10 +169,8 @@ impl Run<'_> {
             };
             let mut totals = batch.element.forces(ElementPass { out, ..batch.pass });
             totals.trouble = totals.trouble.map(|i| batch.first + i);
-            if batch.cycles != 1.0 {
-                for column in [&mut force[slots], &mut moment[turning]] {
-                    column.as_flattened_mut().iter_mut().for_each(|f| *f *= batch.cycles);
-                }
+            if batch.cycles > 1 {
+                act_for_cycles([&mut force[slots], &mut moment[turning]], batch.cycles);
             }
             let which = batch.nodes.iter().zip(summed..).map(|(&i, place)| [i as usize, place]);
             if turns {

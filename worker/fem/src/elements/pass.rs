@@ -64,7 +64,8 @@ type ShellGroup<'a, L, const W: usize> = (
     (&'a mut GroupCorners<4, W>, &'a mut GroupCorners<4, W>),
 );
 
-/// Groups of a block that a pass computes, with their data.
+/// Groups of a block that a pass computes, with their data. After [`ElementPass::split_at`] the
+/// block is a piece of the block: groups and elements count from the first of the piece.
 pub struct ElementPass<'a, H = HistoryColumnsMut<'a>> {
     /// Groups to compute.
     pub range: Range<usize>,
@@ -99,6 +100,7 @@ impl ElementPass<'_> {
     /// Cuts a pass over all groups of a block into two: over the first `groups` groups, and over
     /// the rest. Groups and elements of each count from 0.
     pub fn split_at(self, groups: usize) -> [Self; 2] {
+        debug_assert_eq!(self.range, 0..self.unstrained.len(), "a pass over all groups");
         let (all, lanes) = (self.unstrained.len().max(1), self.history.lanes());
         let of_group = |length: usize| groups * (length / all);
         let elements = (groups * lanes).min(self.count);

@@ -2,6 +2,7 @@
 
 use crumple_proto::transport::thread_cpu;
 use std::cell::Cell;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::Ordering::{Relaxed, SeqCst};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize};
@@ -32,8 +33,8 @@ struct Shared {
     open: AtomicU64,
     /// The open loop.
     current: Mutex<Option<OpenLoop>>,
-    /// Number of the next piece.
-    next: AtomicUsize,
+    /// For each thread the number of the next piece of its share, see [`Shared::take_pieces`].
+    next: Vec<AtomicUsize>,
     /// Number of helpers that may be in a loop.
     active: AtomicUsize,
     /// Number of helpers that sleep.
@@ -54,6 +55,8 @@ pub struct Team {
     loops: Cell<u64>,
     /// True during a loop.
     in_loop: Cell<bool>,
+    /// CPU time of waiting for helpers so far.
+    waited: Cell<Duration>,
 }
 
 impl Team {
@@ -62,13 +65,15 @@ impl Team {
     /// # Errors
     /// The system starts no more threads.
     pub fn start(helpers: usize) -> std::io::Result<Self> {
-        let shared = Arc::new(Shared::default());
-        let (loops, in_loop) = (Cell::new(0), Cell::new(false));
-        let mut team = Self { shared, helpers: Vec::new(), loops, in_loop };
+        let next = (0..=helpers).map(|_| AtomicUsize::new(0)).collect();
+        let shared = Arc::new(Shared { next, ..Shared::default() });
+        let (loops, in_loop, waited) = (Cell::new(0), Cell::new(false), Cell::default());
+        let mut team = Self { shared, helpers: Vec::new(), loops, in_loop, waited };
+        let own = thread::current().name().unwrap_or("worker").to_owned();
         for i in 1..=helpers {
             let shared = team.shared.clone();
-            let builder = thread::Builder::new().name(format!("helper-{i}"));
-            team.helpers.push(builder.spawn(move || shared.help())?);
+            let builder = thread::Builder::new().name(format!("{own}, helper {i}"));
+            team.helpers.push(builder.spawn(move || shared.help(i))?);
         }
         Ok(team)
     }
@@ -78,9 +83,9 @@ impl Team {
         if self.in_loop.get() { 0 } else { self.helpers.len() }
     }
 
-    /// Returns the CPU time of the helpers in loops so far.
-    pub fn cpu(&self) -> Duration {
-        Duration::from_nanos(self.shared.cpu.load(Relaxed))
+    /// Returns the CPU time of the helpers in loops so far, and that of waiting for them.
+    pub fn cpu(&self) -> [Duration; 2] {
+        [Duration::from_nanos(self.shared.cpu.load(Relaxed)), self.waited.get()]
     }
 
     /// Calls `work` for each of `pieces` numbers. Only the thread that started the team calls this.
@@ -93,8 +98,12 @@ impl Team {
         impl Drop for Closing<'_> {
             fn drop(&mut self) {
                 self.0.shared.open.store(0, SeqCst);
-                while self.0.shared.active.load(SeqCst) > 0 {
-                    thread::yield_now();
+                if self.0.shared.active.load(SeqCst) > 0 {
+                    let before = thread_cpu();
+                    while self.0.shared.active.load(SeqCst) > 0 {
+                        thread::yield_now();
+                    }
+                    self.0.waited.update(|waited| waited + (thread_cpu() - before));
                 }
                 self.0.in_loop.set(false);
             }
@@ -107,7 +116,9 @@ impl Team {
         let shared = &*self.shared;
         *shared.current.lock().expect("no helper panics with the lock") =
             Some(OpenLoop { work, pieces });
-        shared.next.store(0, SeqCst);
+        shared.next.iter().enumerate().for_each(|(i, next)| {
+            next.store(shared.share_of(i, pieces).start, SeqCst);
+        });
         // Of a loop that ended by a panic of this thread.
         shared.panic.lock().expect("no helper panics with the lock").take();
         self.loops.update(|number| number + 1);
@@ -116,7 +127,7 @@ impl Team {
         if shared.asleep.load(SeqCst) > 0 {
             self.helpers.iter().for_each(|helper| helper.thread().unpark());
         }
-        shared.take_pieces(OpenLoop { work, pieces });
+        shared.take_pieces(0, OpenLoop { work, pieces });
         drop(closing);
         let panic = shared.panic.lock().expect("no helper panics with the lock").take();
         if let Some(panic) = panic {
@@ -136,19 +147,31 @@ impl Drop for Team {
 }
 
 impl Shared {
-    /// Computes pieces until none is left.
-    fn take_pieces(&self, of: OpenLoop) {
-        loop {
-            let piece = self.next.fetch_add(1, SeqCst);
-            if piece >= of.pieces {
-                return;
+    /// Returns the share of a thread of the pieces of a loop. Neighbouring pieces have neighbouring
+    /// data: what a thread wrote in the last loop is in the cache of its core.
+    fn share_of(&self, thread: usize, pieces: usize) -> Range<usize> {
+        let threads = self.next.len();
+        thread * pieces / threads..(thread + 1) * pieces / threads
+    }
+
+    /// Computes pieces until none is left: those in the share of this thread, then those that other
+    /// threads have left in theirs.
+    fn take_pieces(&self, thread: usize, of: OpenLoop) {
+        let threads = self.next.len();
+        for owner in (thread..threads).chain(0..thread) {
+            let end = self.share_of(owner, of.pieces).end;
+            loop {
+                let piece = self.next[owner].fetch_add(1, SeqCst);
+                if piece >= end {
+                    break;
+                }
+                (of.work)(piece);
             }
-            (of.work)(piece);
         }
     }
 
-    /// Takes part in the loops until the team ends.
-    fn help(&self) {
+    /// Takes part in the loops until the team ends. The thread that started it has the number 0.
+    fn help(&self, thread: usize) {
         let mut seen = 0;
         while self.wait_for_loop(seen) {
             self.active.fetch_add(1, SeqCst);
@@ -159,7 +182,7 @@ impl Shared {
                 let of = *self.current.lock().expect("no helper panics with the lock");
                 let before = thread_cpu();
                 let taken = catch_unwind(AssertUnwindSafe(|| {
-                    of.into_iter().for_each(|of| self.take_pieces(of));
+                    of.into_iter().for_each(|of| self.take_pieces(thread, of));
                 }));
                 if let Err(panic) = taken {
                     self.panic.lock().expect("no helper panics with the lock").get_or_insert(panic);
@@ -177,7 +200,7 @@ impl Shared {
             let number = self.open.load(SeqCst);
             number != 0 && number != seen
         };
-        let awake = Instant::now();
+        let mut awake = Instant::now();
         loop {
             for _ in 0..LOOKS {
                 if self.ends.load(SeqCst) {
@@ -195,6 +218,7 @@ impl Shared {
                     thread::park();
                 }
                 self.asleep.fetch_sub(1, SeqCst);
+                awake = Instant::now();
             }
         }
     }
