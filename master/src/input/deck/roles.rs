@@ -335,6 +335,19 @@ const ROLES: &[(&str, &str)] = &[
     ),
     ("DEFINE_HEX_SPOTWELD_ASSEMBLY", "id_sw=#r eid=#e"),
     ("MAT_VISCOELASTIC", "ro=d bulk=p g0=p gi=p beta=w"),
+    (
+        "MAT_GENERAL_VISCOELASTIC",
+        "ro=d bulk=p pcf=1 ef=1 tref=1 a=1 b=1 lcid=#f:t:p nt=1 bstart=w tramp=t lcidk=#f:t:p \
+         ntk=1 bstartk=w trampk=t gi=p betai=w ki=p betaki=w",
+    ),
+    ("MAT_VISCOUS_FOAM", "ro=d e1=p n1=1 v2=y e2=p n2=1 pr=1"),
+    (
+        "MAT_SAMP-1",
+        "ro=d bulk=p gmod=p emod=p nue=1 rbcfac=1 numint=1 lcid_t=#f:1:p lcid_c=#f:1:p \
+         lcid_s=#f:1:p lcid_b=#f:1:p nuep=1 lcid_p=#f:1:1 incdam=1 lcid_d=#f:1:1 epfail=1 \
+         deprpt=1 lcid_tri=#f:1:1 lcid_lc=#f:l:1 miter=1 mipds=1 incfail=1 iconv=1 asaf=1 nhsv=1 \
+         lcemod=#f:w:p beta=w filt=1",
+    ),
     ("MAT_BLATZ-KO_RUBBER", "ro=d g=p ref=1"),
     ("MAT_SOFT_TISSUE", "ro=d c1=p c2=p c3=p c4=1 c5=p xk=p s=1"),
     (
