@@ -256,6 +256,12 @@ const ROLES: &[(&str, &str)] = &[
          a2=1 a3=1 macf=1 ihis=1 v1=@d v2=1 v3=1 d1=@d beta=1 ref=1",
     ),
     (
+        "MAT_COMPOSITE_DAMAGE",
+        "ro=d ea=p eb=p ec=p prba=1 prca=1 prcb=1 gab=p gbc=p gca=p kfail=p aopt=1 macf=1 atrack=1 \
+         xp=@x a1=@d a2=1 a3=1 v1=@d v2=1 v3=1 d1=@d beta=1 sc=p xt=p yt=p yc=p alph=1/p3 sn=p \
+         syz=p szx=p",
+    ),
+    (
         "MAT_ENHANCED_COMPOSITE_DAMAGE",
         "ro=d ea=p eb=p ec=p prba=1 prca=1 prcb=1 gab=p gbc=p gca=p kf=1 aopt=1 2way=1 ti=1 xp=@x \
          a1=@d a2=1 a3=1 mangle=1 v1=@d v2=1 v3=1 d1=@d dfailm=1 dfails=1 tfail=1 alph=1/p3 \

@@ -102,7 +102,7 @@ pub const LAW: Law = Law {
         list(
             DAMAGE,
             "[[effective plastic strain, damage], ...]",
-            "Damage, from 0 to 1, that does not fall: (1 - damage) of the stress by curves is left.",
+            "Damage, from 0 to 1, that does not fall: (1 - damage) of the stress is left.",
         ),
         number(FAILURE, "Effective plastic strain at which failure begins; without it none does."),
         number(

@@ -95,8 +95,8 @@ fn a_sheet_is_a_cube_with_free_sides() {
     }
 }
 
-/// Random paths from a stress of zero cost work, except for the rule of the trapezoid in a step: the
-/// cube of its part of the shortest time of relaxation, 0.04, over 72.
+/// Random paths from a stress of zero cost work, except for the rule of the trapezoid in a step:
+/// the cube of its part of the shortest time of relaxation, 0.04, over 72.
 #[test]
 fn random_paths_give_no_energy() {
     let mut noise = Noise(17);

@@ -11,9 +11,9 @@
 //! The mean stress of the first spring is a function of the volume,
 //! `K (1 - V^-n)/n` with the bulk modulus K at the start. All else is exact for moduli of the
 //! middle of the step and a constant strain rate in it. The sum over increments that the source has
-//! does not follow from an energy: foam that is sheared, then stretched and sheared back could do work.
-//! So a point keeps the work that was put into all but that mean stress, and lowers the rest of its
-//! stress where this and a next step would give more back.
+//! does not follow from an energy: foam that is sheared, then stretched and sheared back could do
+//! work. So a point keeps the work that was put into all but that mean stress, and lowers the rest
+//! of its stress where this and a next step would give more back.
 //!
 //! The element computes in double precision. The step follows the modulus at the volume after a
 //! next step like this one.

@@ -169,9 +169,10 @@ impl DeckConverter {
                     elastic,
                     turn: match keyword {
                         "MAT_ENHANCED_COMPOSITE_DAMAGE" => composites::own_turn(&record, "mangle"),
-                        "MAT_ORTHOTROPIC_ELASTIC" | "MAT_FABRIC" | metals::BARLAT => {
-                            composites::own_turn(&record, "beta")
-                        }
+                        "MAT_ORTHOTROPIC_ELASTIC"
+                        | "MAT_COMPOSITE_DAMAGE"
+                        | "MAT_FABRIC"
+                        | metals::BARLAT => composites::own_turn(&record, "beta"),
                         _ => 0.0,
                     },
                     has_axes: is_ply || matches!(keyword, "MAT_FABRIC" | metals::BARLAT),
