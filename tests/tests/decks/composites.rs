@@ -115,6 +115,32 @@ fn angles_of_points_and_shells() {
     assert_eq!(angles, [20.0, -5.0]);
 }
 
+/// A ply that loses the stress of what has failed has the energy of its shear in the criteria.
+#[test]
+fn brittle_plies() {
+    let card = "*MAT_022\n1,1.6e-6,165.0,9.0,,0.0185\n5.6,3.2,5.6,,2\n,,,1.0,0,0\n\n\
+                0.09,2.56,0.073,0.185,2e-5\n*MAT_003\n7,7.85e-6,200.0,0.3,0.25\n";
+    let model = model_of(&format!("{BASE}{MOVES}{card}").replace("2,2,1\n", "2,2,7\n"));
+    let ply = &model.settings.materials[0];
+    assert_eq!(ply.law, "orthotropic");
+    for (key, value) in [
+        ("strength_tension_a", 2.56),
+        ("strength_tension_b", 0.073),
+        ("strength_compression_b", 0.185),
+        ("strength_shear", 0.09),
+        ("shear_nonlinearity", 2e-5),
+        ("shear_weight", 1.0),
+    ] {
+        assert_eq!(crate::base::number(ply, key), value, "{key}");
+    }
+    assert_eq!(crate::base::list(ply, "residual_strengths"), [0.0; 5]);
+    assert_eq!(crate::base::list(ply, "direction"), [1.0, 0.0, 0.0]);
+    assert!(ply.parameters.contains_key("shear_energy"));
+    assert!(!ply.parameters.contains_key("strength_compression_a"));
+    let text = format!("{BASE}{MOVES}{card}");
+    crate::base::assert_refused(&text, &["orthotropic' is for shells only"]);
+}
+
 #[test]
 fn what_plies_and_layers_do_not_have_is_refused() {
     let folder = tempfile::tempdir().unwrap();

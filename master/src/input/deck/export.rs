@@ -26,6 +26,7 @@ mod mesh;
 mod metals;
 mod particles;
 mod parts;
+mod polymers;
 mod pressure_dependent;
 mod rest;
 mod soft_materials;

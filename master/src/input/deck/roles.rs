@@ -256,6 +256,12 @@ const ROLES: &[(&str, &str)] = &[
          a2=1 a3=1 macf=1 ihis=1 v1=@d v2=1 v3=1 d1=@d beta=1 ref=1",
     ),
     (
+        "MAT_COMPOSITE_DAMAGE",
+        "ro=d ea=p eb=p ec=p prba=1 prca=1 prcb=1 gab=p gbc=p gca=p kfail=p aopt=1 macf=1 atrack=1 \
+         xp=@x a1=@d a2=1 a3=1 v1=@d v2=1 v3=1 d1=@d beta=1 sc=p xt=p yt=p yc=p alph=1/p3 sn=p \
+         syz=p szx=p",
+    ),
+    (
         "MAT_ENHANCED_COMPOSITE_DAMAGE",
         "ro=d ea=p eb=p ec=p prba=1 prca=1 prcb=1 gab=p gbc=p gca=p kf=1 aopt=1 2way=1 ti=1 xp=@x \
          a1=@d a2=1 a3=1 mangle=1 v1=@d v2=1 v3=1 d1=@d dfailm=1 dfails=1 tfail=1 alph=1/p3 \
@@ -335,6 +341,19 @@ const ROLES: &[(&str, &str)] = &[
     ),
     ("DEFINE_HEX_SPOTWELD_ASSEMBLY", "id_sw=#r eid=#e"),
     ("MAT_VISCOELASTIC", "ro=d bulk=p g0=p gi=p beta=w"),
+    (
+        "MAT_GENERAL_VISCOELASTIC",
+        "ro=d bulk=p pcf=1 ef=1 tref=1 a=1 b=1 lcid=#f:t:p nt=1 bstart=w tramp=t lcidk=#f:t:p \
+         ntk=1 bstartk=w trampk=t gi=p betai=w ki=p betaki=w",
+    ),
+    ("MAT_VISCOUS_FOAM", "ro=d e1=p n1=1 v2=y e2=p n2=1 pr=1"),
+    (
+        "MAT_SAMP-1",
+        "ro=d bulk=p gmod=p emod=p nue=1 rbcfac=1 numint=1 lcid_t=#f:1:p lcid_c=#f:1:p \
+         lcid_s=#f:1:p lcid_b=#f:1:p nuep=1 lcid_p=#f:1:1 incdam=1 lcid_d=#f:1:1 epfail=1 \
+         deprpt=1 lcid_tri=#f:1:1 lcid_lc=#f:l:1 miter=1 mipds=1 incfail=1 iconv=1 asaf=1 nhsv=1 \
+         lcemod=#f:w:p beta=w filt=1",
+    ),
     ("MAT_BLATZ-KO_RUBBER", "ro=d g=p ref=1"),
     ("MAT_SOFT_TISSUE", "ro=d c1=p c2=p c3=p c4=1 c5=p xk=p s=1"),
     (

@@ -327,6 +327,7 @@ fn laws_that_sum_up_need_double_precision() {
             "johnson_holmquist_concrete",
             "karagozian_case_concrete",
             "soil",
+            "viscous_foam",
         ];
         let (nodes, cells) = block([1, 1, 1], [1.0; 3]);
         let part = solid_part(HourglassForm::Stiffness, None);

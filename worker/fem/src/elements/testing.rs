@@ -187,6 +187,18 @@ pub fn laws_of_solids() -> Vec<Material> {
             &[("youngs_modulus", 80.0), ("poisson", 0.1), ("tension_cutoff", 0.5)],
             &[("compression", table(&curve))],
         ),
+        of(
+            "viscous_foam",
+            &[
+                ("youngs_modulus", 40.0),
+                ("poisson", 0.1),
+                ("stiffness_exponent", 3.0),
+                ("viscous_coefficient", 0.5),
+                ("viscous_modulus", 40.0),
+                ("viscous_exponent", 0.3),
+            ],
+            &[],
+        ),
         of("cscm", &concrete, &surfaces),
         of(
             "johnson_holmquist_ceramic",
@@ -292,6 +304,15 @@ pub fn laws() -> Vec<Material> {
         ),
         steel("j2", &[("hardening_by_rate", by_rate), ("failure_strain", number(0.3))]),
         steel("viscoelastic", &viscoelastic),
+        {
+            let mut series = material("general_viscoelastic", 7.85e-6, &[("bulk_modulus", 100.0)]);
+            let terms = [
+                ("shear_terms", [[20.0, 0.0], [50.0, 3.0]]),
+                ("bulk_terms", [[30.0, 2.0], [20.0, 0.5]]),
+            ];
+            series.parameters.extend(terms.map(|(key, rows)| (key.to_string(), table(&rows))));
+            series
+        },
         material("mooney_rivlin", 7.85e-6, &[("a", 30.0), ("b", 10.0), ("poisson", 0.45)]),
         steel("johnson_cook", &johnson_cook),
         steel("fabric", &[("damping", number(0.05))]),
@@ -314,6 +335,21 @@ pub fn laws() -> Vec<Material> {
                 ("nucleation", Param::List(vec![0.04, 0.02, 0.01])),
                 ("critical_void_fraction", number(0.05)),
                 ("failure_void_fractions", table(&[[0.5, 0.2], [2.0, 0.15]])),
+            ],
+        ),
+        steel(
+            "polymer",
+            &[
+                (
+                    "tension_by_rate",
+                    table(&[[0.0, 0.0, YIELD], [0.0, 0.1, 0.5], [1.0, 0.0, 0.3], [1.0, 0.1, 0.7]]),
+                ),
+                ("compression", table(&[[0.0, 1.2 * YIELD], [0.1, 0.6]])),
+                ("shear", table(&[[0.0, 0.7 * YIELD], [0.1, 0.35]])),
+                ("plastic_poisson_curve", table(&[[0.0, 0.5], [0.1, 0.2]])),
+                ("damage", table(&[[0.0, 0.0], [0.3, 0.2]])),
+                ("failure_strain", number(0.5)),
+                ("fading_strain", number(0.2)),
             ],
         ),
         steel(

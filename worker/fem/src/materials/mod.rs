@@ -31,10 +31,13 @@ mod orthotropic;
 mod parameters;
 pub mod plasticity;
 mod polyline;
+mod polymer;
 mod pressure_dependent;
+mod prony;
 mod rubber;
 pub(crate) mod tensor;
 mod viscoelastic;
+mod viscous_foam;
 mod wrapped;
 
 pub use crate::parameter::{DefaultValue, Form, ParameterRow};
@@ -424,6 +427,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     j2::LAW,
     johnson_cook::LAW,
     viscoelastic::LAW,
+    prony::LAW,
     rubber::mooney_rivlin::LAW,
     rubber::polynomial::LAW,
     rubber::ogden::LAW,
@@ -432,6 +436,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     fluid::LAW,
     low_density_foam::LAW,
     crushable_foam::LAW,
+    viscous_foam::LAW,
     cscm::LAW,
     pressure_dependent::ceramic::LAW,
     pressure_dependent::concrete::LAW,
@@ -441,6 +446,7 @@ pub static LAWS: Registry<Law> = Registry::new(&[
     orthotropic::LAW,
     barlat::LAW,
     gurson::LAW,
+    polymer::LAW,
     honeycomb::LAW,
     cohesive::mixed_mode::LAW,
     cohesive::elastic::LAW,

@@ -10,6 +10,13 @@
 //! matrix, compression  (s_b/2S)^2 + ((Y_C/2S)^2 - 1) s_b/Y_C + (s_ab/S)^2 = 1
 //! matrix, Tsai-Wu      s_b^2/(Y_C Y_T) + (1/Y_T - 1/Y_C) s_b + (s_ab/S)^2 = 1
 //! ```
+//! With `shear_energy` the term of the shear in all criteria but that of Tsai and Wu is the elastic
+//! energy of its nonlinear shear over that at the strength (`*MAT_COMPOSITE_DAMAGE`; Chang & Chang
+//! 1987),
+//! ```text
+//! (s_ab^2/(2 G) + 3/4 alpha s_ab^4)/(S^2/(2 G) + 3/4 alpha S^4)   in place of   (s_ab/S)^2
+//! ```
+//!
 //! A stress beyond a limit is scaled back to it: s_b and s_ab for the matrix, s_a for fibres, with
 //! s_ab if beta is above 0. The strain that this takes from the elastic one is along the same
 //! components, so that failure dissipates and a ply unloads elastically. At first the limit is the
@@ -65,6 +72,14 @@ pub const LAW: Law = Law {
         },
         number("shear_weight", "Weight beta of shear in tensile failure of the fibres, 0 to 1."),
         number("shear_nonlinearity", "alpha in g = t/G + alpha t^3 [length^6/force^3]."),
+        ParameterRow {
+            key: "shear_energy",
+            form: Form::Flag,
+            otherwise: DefaultValue::Flag(false),
+            range: None,
+            meaning: "True if shear counts by the energy of `shear_nonlinearity`, not by the \
+                      square of its stress.",
+        },
         ParameterRow {
             key: "residual_strengths",
             form: Form::List("[tension a, compression a, tension b, compression b, shear]"),
@@ -162,6 +177,8 @@ struct PlyFailure {
     matrix: [[f64; 2]; 2],
     shear_weight: f64,
     shear_nonlinearity: f64,
+    /// Factors c and k of the square of the shear: `(1 + c s_ab^2) k`.
+    shear_energy: [f64; 2],
     /// Residual fractions of the strengths: the four modes, and shear.
     residual: [f64; 5],
     /// Largest strains: tension a, compression a, b, shear, effective; infinite if not given.
@@ -183,13 +200,13 @@ fn read(mut parameters: Parameters<'_>, elastic: Elastic) -> Result<Ply, Vec<Pro
     let moduli = [elastic.youngs_modulus, eb, g];
     let stiffness = Orthotropic::new(&mut parameters, moduli, elastic.poisson, "ply");
     let orientation = Orientation::read(&mut parameters);
-    let failure = failure(&mut parameters);
+    let failure = failure(&mut parameters, g);
     parameters.finish()?;
     Ok(Ply { density: elastic.density, stiffness, transverse, orientation, failure })
 }
 
 /// Reads strengths and largest strains.
-fn failure(parameters: &mut Parameters<'_>) -> Option<PlyFailure> {
+fn failure(parameters: &mut Parameters<'_>, shear_modulus: f64) -> Option<PlyFailure> {
     const STRENGTHS: [&str; 5] = [
         "strength_tension_a",
         "strength_compression_a",
@@ -214,6 +231,11 @@ fn failure(parameters: &mut Parameters<'_>) -> Option<PlyFailure> {
     let shear_weight = parameters.optional("shear_weight", "from 0 to 1", share).unwrap_or(0.0);
     let alpha = parameters.optional("shear_nonlinearity", "0 or above", |a| a >= 0.0);
     let tsai_wu = parameters.flag("tsai_wu");
+    let by_energy = parameters.flag("shear_energy");
+    if by_energy && tsai_wu {
+        let help = "use the criterion of Chang and Chang with it";
+        parameters.wrong("shear_energy", "is true with tsai_wu", help);
+    }
     if tsai_wu && ![yt, yc, s].iter().all(|strength| strength.is_finite()) {
         let help = "give strength_tension_b, strength_compression_b and strength_shear";
         parameters.wrong("tsai_wu", "is true without the strengths of the matrix", help);
@@ -231,6 +253,10 @@ fn failure(parameters: &mut Parameters<'_>) -> Option<PlyFailure> {
         },
         shear_weight,
         shear_nonlinearity: alpha.unwrap_or(0.0),
+        shear_energy: match 1.5 * alpha.unwrap_or(0.0) * shear_modulus {
+            c if by_energy && c > 0.0 && s.is_finite() => [c, 1.0 / (1.0 + c * s * s)],
+            _ => [0.0, 1.0],
+        },
         residual,
         strains,
         at_strength: strains[0].is_infinite(),
@@ -325,8 +351,12 @@ impl Ply {
         };
         let ((q_t, l_t), (q_c, l_c)) = (of_side(0, 2), of_side(1, 3));
         let shear = R::splat(failure.shear) * residual(4, matrix_failed);
-        let t = ab * shear;
-        let q = t.mul_add(t, R::select(is_tension, q_t, q_c));
+        let sheared_part = |ab: R, shear: R| {
+            let [c, k] = failure.shear_energy.map(R::splat);
+            let t = ab * shear;
+            k * (c * ab).mul_add(ab, one) * (t * t)
+        };
+        let q = sheared_part(ab, shear) + R::select(is_tension, q_t, q_c);
         let l = R::select(is_tension, l_t, l_c);
         let beyond = (q + l).gt(one);
         // The factor f on the stress follows from f^2 q + f l = 1.
@@ -352,9 +382,8 @@ impl Ply {
         let [tension, compression] = [strength(0), strength(1)];
         let is_tension = a.ge(zero);
         let along = a * R::select(is_tension, tension, compression);
-        let t = ab * shear;
         let weight = R::select(is_tension, R::splat(failure.shear_weight), zero);
-        let q = along.mul_add(along, weight * t * t);
+        let q = along.mul_add(along, weight * sheared_part(ab, shear));
         let beyond = q.gt(one);
         let factor = R::select(beyond, one / q.sqrt(), one);
         let elastic = a;

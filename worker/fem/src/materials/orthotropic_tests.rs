@@ -242,6 +242,34 @@ fn nonlinear_shear() {
     }
 }
 
+/// With `shear_energy` a ply cracks where the energy of its shear and the square of the tension
+/// across are one together; fibres break in the same way.
+#[test]
+fn shear_counts_by_its_energy() {
+    let alpha = 2e-8;
+    let energy = |t: f64| t * t / (2.0 * 5.6e3) + 0.75 * alpha * t.powi(4);
+    for share in [0.3, 0.7, 1.0] {
+        let t = S * share;
+        let part = energy(t) / energy(S);
+        for (axis, strength) in [(1, YT), (0, XT)] {
+            for (factor, fails) in [(0.999, false), (1.001, true)] {
+                let numbers = [("shear_nonlinearity", alpha), ("shear_weight", 1.0)];
+                let law = failing(&numbers, &[("shear_energy", Param::Flag(true))]);
+                let mut sheet = Sheet::new(law, 0.0);
+                let mut stress = [0.0; 3];
+                stress[axis] = strength * (1.0 - part).max(0.0).sqrt();
+                stress = stress.map(|s| factor * s);
+                let mut strain = elastic_strain(stress);
+                let t = factor * t;
+                strain[2] = t / 5.6e3 + alpha * t.powi(3);
+                sheet.add(strain, 50);
+                let modes = sheet.state[MODES] + sheet.state[MODES + 2] + sheet.state[MODES + 3];
+                assert_eq!(modes > 0.5, fails, "{share} {axis} {factor}");
+            }
+        }
+    }
+}
+
 /// On random closed paths of strain the work is never negative: failure dissipates.
 #[test]
 fn failure_dissipates() {
@@ -255,7 +283,8 @@ fn failure_dissipates() {
         ];
         let residual = Param::List(vec![0.2 + 0.8 * random(); 5]);
         let tsai_wu = ("tsai_wu", Param::Flag(run % 3 == 0));
-        let law = failing(&numbers, &[("residual_strengths", residual), tsai_wu]);
+        let by_energy = ("shear_energy", Param::Flag(run % 3 == 1));
+        let law = failing(&numbers, &[("residual_strengths", residual), tsai_wu, by_energy]);
         let angle = random();
         let mut sheet = Sheet::new(law, if run % 4 < 2 { 0.0 } else { angle });
         let mut at = [0.0; 3];

@@ -1,5 +1,5 @@
 //! Converts composites: parts with layers, and materials of plies (LS-DYNA Keyword User's Manual,
-//! vol. I, `*PART_COMPOSITE`; vol. II, materials 2, 54 and 55).
+//! vol. I, `*PART_COMPOSITE`; vol. II, materials 2, 22, 54 and 55).
 
 use super::DeckConverter;
 use super::materials::DeckMaterial;
@@ -11,7 +11,9 @@ use crate::input::job::tree::Place;
 use std::collections::HashMap;
 
 /// Keywords of materials of this file.
-pub const KEYWORDS: [&str; 2] = ["MAT_ORTHOTROPIC_ELASTIC", "MAT_ENHANCED_COMPOSITE_DAMAGE"];
+pub const KEYWORDS: [&str; 3] = ["MAT_ORTHOTROPIC_ELASTIC", "MAT_COMPOSITE_DAMAGE", ENHANCED];
+/// Keyword with strains of failure.
+const ENHANCED: &str = "MAT_ENHANCED_COMPOSITE_DAMAGE";
 
 /// Strengths: field and key.
 const STRENGTHS: [(&str, &str); 5] = [
@@ -46,10 +48,11 @@ impl DeckConverter {
         for (field, key) in [("gbc", "shear_modulus_bc"), ("gca", "shear_modulus_ca")] {
             positive(record, table, field, key, 1.0);
         }
-        let is_elastic = keyword == "MAT_ORTHOTROPIC_ELASTIC";
-        self.shell_axes(record, if is_elastic { "beta" } else { "mangle" }, table);
-        if !is_elastic {
-            self.failure(record, table);
+        self.shell_axes(record, if keyword == ENHANCED { "mangle" } else { "beta" }, table);
+        match keyword {
+            ENHANCED => self.failure(record, table),
+            "MAT_COMPOSITE_DAMAGE" => brittle_failure(record, table),
+            _ => {}
         }
         record.real("ea")
     }
@@ -259,6 +262,17 @@ impl DeckConverter {
 /// Returns the angle that a field gives a material; none with aopt 2 [degrees].
 pub fn own_turn(record: &CardRecord, angle: &str) -> f64 {
     if record.real("aopt") == 2.0 { 0.0 } else { record.real(angle) }
+}
+
+/// Converts strengths of a ply that loses the stress of what has failed.
+fn brittle_failure(record: &CardRecord, table: &mut JobTable) {
+    for (field, key) in STRENGTHS.into_iter().filter(|(field, _)| *field != "xc") {
+        positive(record, table, field, key, 1.0);
+    }
+    positive(record, table, "alph", "shear_nonlinearity", 1.0);
+    table.put("shear_weight", record.place("xt"), 1.0);
+    table.put("shear_energy", record.place("alph"), true);
+    table.put("residual_strengths", record.place("xt"), [0.0; 5]);
 }
 
 /// Sets a key to a field times a factor, if the product is above zero.

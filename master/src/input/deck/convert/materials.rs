@@ -4,7 +4,7 @@ use super::DeckConverter;
 use super::cohesive::{self, CohesiveIntegration};
 use super::solid_welds::WeldLimits;
 use super::tree::JobTable;
-use super::{composites, concrete, metals, pressure_dependent, soft_materials};
+use super::{composites, concrete, metals, polymers, pressure_dependent, soft_materials};
 use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
@@ -94,6 +94,7 @@ impl DeckConverter {
             .into_iter()
             .chain(soft_materials::KEYWORDS)
             .chain(concrete::KEYWORDS)
+            .chain(polymers::KEYWORDS)
             .chain(pressure_dependent::KEYWORDS)
             .chain(composites::KEYWORDS)
             .chain(cohesive::KEYWORDS);
@@ -110,8 +111,10 @@ impl DeckConverter {
                 let is_hydro = keyword == HYDRO;
                 let is_concrete = concrete::KEYWORDS.contains(&keyword);
                 let by_pressure = pressure_dependent::KEYWORDS.contains(&keyword);
+                let is_polymer = polymers::KEYWORDS.contains(&keyword);
+                let is_solid = is_concrete || by_pressure;
                 let has_own =
-                    is_soft || is_ply || is_cohesive || is_hydro || is_concrete || by_pressure;
+                    is_soft || is_ply || is_cohesive || is_hydro || is_solid || is_polymer;
                 let (mut table, mut e) = if has_own {
                     (without_constants(&record, &name), 0.0)
                 } else {
@@ -142,6 +145,7 @@ impl DeckConverter {
                         cohesive = Some(self.cohesive(keyword, &record, &mut table));
                     }
                     _ if is_ply => e = self.ply(keyword, &record, &mut table),
+                    _ if is_polymer => e = self.polymer(&record, &mut table),
                     _ if is_concrete => e = self.concrete(keyword, &record, &mut table),
                     _ if by_pressure => e = self.pressure_dependent(keyword, &record, &mut table),
                     _ if is_soft => e = self.soft_material(keyword, &record, &mut table),
@@ -165,9 +169,10 @@ impl DeckConverter {
                     elastic,
                     turn: match keyword {
                         "MAT_ENHANCED_COMPOSITE_DAMAGE" => composites::own_turn(&record, "mangle"),
-                        "MAT_ORTHOTROPIC_ELASTIC" | "MAT_FABRIC" | metals::BARLAT => {
-                            composites::own_turn(&record, "beta")
-                        }
+                        "MAT_ORTHOTROPIC_ELASTIC"
+                        | "MAT_COMPOSITE_DAMAGE"
+                        | "MAT_FABRIC"
+                        | metals::BARLAT => composites::own_turn(&record, "beta"),
                         _ => 0.0,
                     },
                     has_axes: is_ply || matches!(keyword, "MAT_FABRIC" | metals::BARLAT),

@@ -38,6 +38,7 @@ mod names;
 mod node_ties;
 pub(in crate::input::deck) mod particles;
 mod parts;
+mod polymers;
 mod preloads;
 mod pressure_dependent;
 pub mod radioss;
@@ -64,6 +65,7 @@ pub mod tree;
 pub(in crate::input::deck) mod units;
 mod unused;
 mod vectors;
+mod viscous_materials;
 mod walls;
 mod welds;
 

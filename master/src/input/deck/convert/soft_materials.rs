@@ -3,13 +3,17 @@
 use super::DeckConverter;
 use super::materials::{DeckMaterial, rows};
 use super::tree::JobTable;
+use super::viscous_materials::{viscoelastic, viscous_foam};
 use crate::input::deck::record::CardRecord;
 use std::collections::HashMap;
 
 /// Keywords of this file.
-pub const KEYWORDS: [&str; 13] = [
+pub const KEYWORDS: [&str; 16] = [
     "MAT_FABRIC",
     "MAT_VISCOELASTIC",
+    "MAT_KELVIN-MAXWELL_VISCOELASTIC",
+    "MAT_GENERAL_VISCOELASTIC",
+    "MAT_VISCOUS_FOAM",
     "MAT_BLATZ-KO_RUBBER",
     "MAT_MOONEY-RIVLIN_RUBBER",
     "MAT_HYPERELASTIC_RUBBER",
@@ -52,6 +56,9 @@ impl DeckConverter {
         match keyword {
             "MAT_FABRIC" => self.fabric(record, table),
             "MAT_VISCOELASTIC" => viscoelastic(record, table),
+            "MAT_KELVIN-MAXWELL_VISCOELASTIC" => self.kelvin_maxwell(record, table),
+            "MAT_GENERAL_VISCOELASTIC" => self.general_viscoelastic(record, table),
+            "MAT_VISCOUS_FOAM" => viscous_foam(record, table),
             "MAT_BLATZ-KO_RUBBER" => {
                 table.put("law", record.head, "blatz_ko");
                 number(record, table, "g", "shear_modulus");
@@ -401,7 +408,8 @@ impl DeckConverter {
     }
 }
 
-fn number(record: &CardRecord, table: &mut JobTable, field: &str, key: &str) {
+/// Puts a field under a key.
+pub(super) fn number(record: &CardRecord, table: &mut JobTable, field: &str, key: &str) {
     table.put(key, record.place(field), record.real(field));
 }
 
@@ -411,19 +419,6 @@ fn from_origin(mut points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         first[1] = 0.0;
     }
     points
-}
-
-/// Converts the moduli to those of fast loads; returns Young's modulus [force/length^2].
-fn viscoelastic(record: &CardRecord, table: &mut JobTable) -> f64 {
-    let [bulk, fast] = ["bulk", "g0"].map(|field| record.real(field));
-    let e = 9.0 * bulk * fast / (3.0 * bulk + fast);
-    let nu = (3.0 * bulk - 2.0 * fast) / (2.0 * (3.0 * bulk + fast));
-    table.put("law", record.head, "viscoelastic");
-    table.put("youngs_modulus", record.place("bulk"), e);
-    table.put("poisson", record.place("bulk"), nu);
-    number(record, table, "gi", "long_term_shear_modulus");
-    number(record, table, "beta", "decay_rate");
-    e
 }
 
 /// Returns the slope of a test from a strain of zero on [force/length^2]; 1 if it has none.

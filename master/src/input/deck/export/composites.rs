@@ -122,6 +122,9 @@ pub fn ply(deck: &mut DeckWriter, cards: &MaterialCards<'_>) {
     if !residual.is_empty() && residual.iter().all(|share| *share == 0.0) {
         others.push(("residual_strengths".into(), residual.clone().into()));
     }
+    if material.parameters.get("shear_energy") == Some(&Param::Flag(true)) {
+        others.push(("shear_energy".into(), true.into()));
+    }
     if !others.is_empty() {
         deck.digits("material", std::iter::once(named(&material.name)).chain(others).collect());
     }

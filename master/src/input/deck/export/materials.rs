@@ -3,8 +3,8 @@
 
 use super::{Blank, CardValue, DeckWriter, Id, Number, line, named, points};
 use super::{
-    barlat, cohesive, composites, damage, gurson, metals, pressure_dependent, soft_materials,
-    writer::LeftReason,
+    barlat, cohesive, composites, damage, gurson, metals, polymers, pressure_dependent,
+    soft_materials, writer::LeftReason,
 };
 use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::job::Model;
@@ -53,6 +53,8 @@ const EQUATIONS: [(&str, &str, usize); 2] =
 /// Key of an equation of state by a table.
 const TABLE: &str = "eos_table";
 
+/// Law of thermoplastics.
+const POLYMER: &str = "polymer";
 /// Law of fluids of solids, and the key of their least pressure.
 const FLUID: &str = "fluid";
 const LEAST_PRESSURE: &str = "eos_min_pressure";
@@ -208,9 +210,13 @@ pub fn write<'m>(
 /// continues them with their last slope.
 fn constant_beyond_last_points(material: &Material) -> Material {
     let mut written = material.clone();
-    for key in ["hardening", "hardening_by_rate"] {
-        let Some(Param::Table(rows)) = written.parameters.get_mut(key) else { continue };
-        let is_of_rate = key == "hardening_by_rate";
+    let keys: &[&str] = match material.law.as_str() {
+        POLYMER => &["tension", "tension_by_rate", "compression", "shear"],
+        _ => &["hardening", "hardening_by_rate"],
+    };
+    for key in keys {
+        let Some(Param::Table(rows)) = written.parameters.get_mut(*key) else { continue };
+        let is_of_rate = key.ends_with("_by_rate");
         let mut all: Vec<Vec<f64>> = Vec::new();
         for curve in rows.chunk_by(|a, b| !is_of_rate || a[0] == b[0]) {
             all.extend_from_slice(curve);
@@ -242,6 +248,7 @@ fn law(deck: &mut DeckWriter, cards: &MaterialCards<'_>) -> CardParameters {
         FLUID => fluid(deck, cards, &mut read),
         "barlat" => barlat::sheet(deck, cards, &mut read),
         "gurson" => gurson::metal(deck, cards, &mut read),
+        POLYMER => polymers::polymer(deck, cards, &mut read),
         "orthotropic" => {
             composites::ply(deck, cards);
             // The ply has accounted for all of its own keys.

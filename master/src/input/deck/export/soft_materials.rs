@@ -21,6 +21,8 @@ pub fn write(
 ) -> bool {
     match law {
         "viscoelastic" => viscoelastic(deck, cards, read),
+        "general_viscoelastic" => general_viscoelastic(deck, cards, read),
+        "viscous_foam" => viscous_foam(deck, cards, read),
         "mooney_rivlin" | "polynomial_rubber" | "ogden" | "blatz_ko"
             if cards.rows("terms").len() <= MOST_TERMS =>
         {
@@ -56,6 +58,52 @@ fn viscoelastic(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut Car
     cards.head(deck, "MAT_VISCOELASTIC");
     let slow = keys.map(|key| Number(cards.number(key)));
     deck.card(&[&first(cards)[..], &[Number(bulk), Number(fast)], &slow].concat());
+}
+
+fn general_viscoelastic(
+    deck: &mut DeckWriter,
+    cards: &MaterialCards<'_>,
+    read: &mut CardParameters,
+) {
+    let terms = |key: &str| -> Vec<Vec<f64>> {
+        cards
+            .rows(key)
+            .iter()
+            .filter(|row| row.first().is_some_and(|g| *g != 0.0))
+            .cloned()
+            .collect()
+    };
+    let (shear, mut bulk) = (terms("shear_terms"), terms("bulk_terms"));
+    let mut stays = cards.number("bulk_modulus");
+    if !bulk.is_empty() {
+        // The card has one or the other.
+        if stays != 0.0 {
+            bulk.push(vec![stays, 0.0]);
+        }
+        stays = 0.0;
+        read.insert("bulk_terms".into(), Param::Table(bulk.clone()));
+    }
+    read.insert("bulk_modulus".into(), Param::Number(stays));
+    read.insert("shear_terms".into(), Param::Table(shear.clone()));
+    cards.head(deck, "MAT_GENERAL_VISCOELASTIC");
+    deck.card(&[&first(cards)[..], &[Number(stays)]].concat());
+    deck.card(&[]);
+    for k in 0..shear.len().max(bulk.len()) {
+        let of = |terms: &[Vec<f64>]| match terms.get(k) {
+            Some(term) => [Number(term[0]), Number(term[1])],
+            None => [Blank; 2],
+        };
+        deck.card(&[of(&shear), of(&bulk)].concat());
+    }
+}
+
+fn viscous_foam(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {
+    let keys = ["stiffness_exponent", "viscous_coefficient", "viscous_modulus", "viscous_exponent"];
+    cards.keep(read, &keys);
+    cards.head(deck, "MAT_VISCOUS_FOAM");
+    let own = ["youngs_modulus"].into_iter().chain(keys).chain(["poisson"]);
+    let own: Vec<CardValue> = own.map(|key| Number(cards.number(key))).collect();
+    deck.card(&[&first(cards)[..], &own].concat());
 }
 
 fn concrete(deck: &mut DeckWriter, cards: &MaterialCards<'_>, read: &mut CardParameters) {

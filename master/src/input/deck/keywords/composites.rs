@@ -57,6 +57,28 @@ pub const KEYWORDS: &[Keyword] = &[
     .aliases(&["MAT_002", "MAT_2"])
     .options(&["TITLE"]),
     Keyword::new(
+        "MAT_COMPOSITE_DAMAGE",
+        &[
+            TITLE,
+            ("mid:i! ro:r! ea:r! eb:r! ec:r prba:r prca:r prcb:r", Once),
+            ("gab:r! gbc:r gca:r kfail:r aopt:r macf:i=1 atrack:i", Once),
+            ("xp:r yp:r zp:r a1:r a2:r a3:r", Once),
+            ("v1:r v2:r v3:r d1:r d2:r d3:r beta:r", Once),
+            ("sc:r xt:r yt:r yc:r alph:r sn:r syz:r szx:r", Once),
+        ],
+        "law `orthotropic` with `shear_energy` and residual strengths of 0, for shells: a cracked \
+         or crushed matrix loses its stress across and its shear, a ply with broken fibres all its \
+         stress. Strengths that are 0 are no limits",
+    )
+    .unused(&[
+        OF_SOLIDS,
+        AXES,
+        no_effect("kfail macf sn syz szx", "they are for solids"),
+        ignored("atrack", "the axis a turns with the element"),
+    ])
+    .aliases(&["MAT_022", "MAT_22"])
+    .options(&["TITLE"]),
+    Keyword::new(
         "MAT_ENHANCED_COMPOSITE_DAMAGE",
         &[
             TITLE,

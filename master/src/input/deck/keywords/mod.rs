@@ -16,6 +16,7 @@ mod materials;
 mod mesh;
 mod particles;
 mod parts;
+mod polymers;
 mod pressure_dependent;
 mod sensors;
 mod sets;
@@ -34,6 +35,7 @@ pub const FAMILIES: &[(&str, &[Keyword])] = &[
     ("Particles", particles::KEYWORDS),
     ("Composites", composites::KEYWORDS),
     ("Cohesive elements", cohesive::KEYWORDS),
+    ("Thermoplastics", polymers::KEYWORDS),
     ("Rubber, foam and honeycomb", soft_materials::KEYWORDS),
     ("Concrete", concrete::KEYWORDS),
     ("Ceramics, concrete and soil by pressure", pressure_dependent::KEYWORDS),

@@ -153,6 +153,34 @@ pub const KEYWORDS: &[Keyword] = &[
     .aliases(&["MAT_006", "MAT_6"])
     .options(&["TITLE"]),
     Keyword::new(
+        "MAT_KELVIN-MAXWELL_VISCOELASTIC",
+        &[TITLE, ("mid:i! ro:r! bulk:r! g0:r! gi:r dc:r fo:r so:r", Once)],
+        "law `viscoelastic`: dc is `decay_rate` with fo 0 (Maxwell), and the time 1/`decay_rate` \
+         with fo 1 (Kelvin), whose equation `s' + s/dc = 2 g0 e' + 2 gi e/dc` of the deviators has \
+         the same solution; from memory of the LS-DYNA Keyword User's Manual, vol. II, material 61",
+    )
+    .unused(&[no_effect("so", "it is for output; strains are in the fields")])
+    .aliases(&["MAT_061", "MAT_61"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_GENERAL_VISCOELASTIC",
+        &[
+            TITLE,
+            ("mid:i! ro:r! bulk:r pcf:r ef:r tref:r a:r b:r", Once),
+            ("lcid:i nt:i bstart:r tramp:r lcidk:i ntk:i bstartk:r trampk:r", Maybe),
+            ("gi:r betai:r ki:r betaki:r", Rest),
+        ],
+        "law `general_viscoelastic`: gi and betai are `shear_terms`, ki and betaki `bulk_terms`, \
+         bulk without ki is `bulk_modulus`; fits to tests (lcid, lcidk) are not supported",
+    )
+    .unused(&[
+        refused("pcf", "solids without tension; use 0"),
+        ignored("tref a b", "there are no temperatures: times are those at tref"),
+        no_effect("nt bstart tramp ntk bstartk trampk", "they are for lcid and lcidk"),
+    ])
+    .aliases(&["MAT_076", "MAT_76"])
+    .options(&["TITLE"]),
+    Keyword::new(
         "MAT_BLATZ-KO_RUBBER",
         &[TITLE, ("mid:i! ro:r! g:r! ref:r", Once)],
         "law `blatz_ko`",
@@ -267,6 +295,14 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[DAMPING])
     .aliases(&["MAT_063", "MAT_63"])
+    .options(&["TITLE"]),
+    Keyword::new(
+        "MAT_VISCOUS_FOAM",
+        &[TITLE, ("mid:i! ro:r! e1:r! n1:r v2:r e2:r n2:r pr:r", Once)],
+        "law `viscous_foam`: e1, n1 are `youngs_modulus`, `stiffness_exponent`; v2, n2 \
+         `viscous_coefficient`, `viscous_exponent`; e2 `viscous_modulus`",
+    )
+    .aliases(&["MAT_062", "MAT_62"])
     .options(&["TITLE"]),
     Keyword::new(
         "MAT_FU_CHANG_FOAM",
