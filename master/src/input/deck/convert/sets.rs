@@ -297,19 +297,15 @@ impl DeckConverter {
         self.named(record);
     }
 
-    /// Adds the set under its title too.
+    /// Adds the set under its title too; with a number if another set has this title, as sets of a
+    /// file that is included several times do.
     fn named(&mut self, record: &CardRecord) {
         let title = record.word("heading").to_string();
-        if let (false, Some((nodes, place))) =
-            (title.is_empty(), self.node_sets.get(&record.integer("sid")))
-        {
-            match record.in_submodel {
-                // The file may be included several times.
-                true => drop(self.rows.add_new_set(&title, nodes.clone(), *place)),
-                false => {
-                    self.rows.add_set(title.clone(), nodes.clone(), *place);
-                    self.node_set_titles.insert(record.integer("sid"), title);
-                }
+        let sid = record.integer("sid");
+        if let (false, Some((nodes, place))) = (title.is_empty(), self.node_sets.get(&sid)) {
+            let name = self.rows.add_named_set(&title, nodes.clone(), *place);
+            if !record.in_submodel {
+                self.node_set_titles.insert(sid, name);
             }
         }
     }
