@@ -183,10 +183,14 @@ impl StarterConverter {
             }
             None => {}
         }
-        let message = "/FAIL/TENSSTRAIN removes a shell with its first failed point, here it goes \
-                       with its last one; faded stress does not rise again when the strain falls";
-        let help = "expect shells in bending to fail later";
-        self.deck.trouble.warning(card.place(field), message, help);
+        // A shell goes with its first failed point.
+        table.put("erosion_failed_points", card.place(field), 1.0);
+        if table.has("erosion_major_strain_start") {
+            let message =
+                "/FAIL/TENSSTRAIN: faded stress does not rise again when the strain falls";
+            let help = "expect less stress where the load reverses before failure";
+            self.deck.trouble.warning(card.place(field), message, help);
+        }
     }
 
     /// Converts the law of Johnson and Cook; without rate, temperature and exponent it is linear

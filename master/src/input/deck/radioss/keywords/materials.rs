@@ -192,7 +192,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`erosion_major_strain_start` and `erosion_major_strain` of the material with this id: the \
          stress falls from the largest principal strain epst1 to epst2. Without them epsf1 alone \
-         is `erosion_major_strain`",
+         is `erosion_major_strain`. A shell goes with its first failed point",
     )
     .unused(&[
         refused("fct", "limits of the strain that depend on its rate"),
