@@ -128,7 +128,21 @@ impl DeckParameters {
     fn pairs(&mut self, text: &str, width: usize, place: Place, trouble: &mut Trouble) {
         let fields: Vec<&str> = match text.contains(',') {
             true => text.split(',').map(str::trim).collect(),
-            false => columns(text, width),
+            false => match long_value(text, width) {
+                Some(pair) => {
+                    let message = {
+                        let name = pair[0].split_whitespace().last().unwrap_or_default();
+                        format!("the value of `{name}` has more columns than its field")
+                    };
+                    let help = format!(
+                        "all of {} is read; give {width} columns, or commas between name and value",
+                        pair[1]
+                    );
+                    trouble.warning(place, message, help);
+                    pair.to_vec()
+                }
+                None => columns(text, width),
+            },
         };
         for pair in fields.chunks(2) {
             let (name, value) = (pair[0], pair.get(1).copied().unwrap_or_default());
@@ -231,6 +245,18 @@ fn head(text: &str, width: usize) -> (String, String) {
             (text.chars().take(width).collect(), rest)
         }
     }
+}
+
+/// Returns the only name of a line and its value, if this is a number that goes on beyond its
+/// columns.
+fn long_value(text: &str, width: usize) -> Option<[&str; 2]> {
+    let fields = columns(text, width);
+    let [name, value, rest, ..] = fields[..] else { return None };
+    let at = text.char_indices().nth(width)?.0;
+    let whole = text[at..].trim();
+    let is_number =
+        !whole.contains(char::is_whitespace) && number::real(whole.as_bytes()).is_some();
+    (!value.is_empty() && !rest.is_empty() && is_number).then_some([name, whole])
 }
 
 fn columns(text: &str, width: usize) -> Vec<&str> {
