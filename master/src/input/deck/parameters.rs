@@ -1,4 +1,5 @@
-//! `*PARAMETER` and `*PARAMETER_EXPRESSION`: names of values, which fields use as `&name`.
+//! `*PARAMETER` and `*PARAMETER_EXPRESSION`: names of values, which fields use as `&name`. Decks
+//! of Radioss have them in `/PARAMETER/GLOBAL`.
 
 use super::diagnostics::Trouble;
 use super::expression;
@@ -27,6 +28,8 @@ pub struct DeckParameters {
     duplicates: Duplicates,
     /// True while a block of local parameters is read, which hide others of the same name.
     local: bool,
+    /// Keyword that defines parameters, if it is not `*PARAMETER`.
+    card: Option<&'static str>,
 }
 
 /// Treatment of a second value of a parameter (`*PARAMETER_DUPLICATION`).
@@ -54,6 +57,16 @@ pub fn reference(text: &str) -> Option<(bool, &str)> {
 }
 
 impl DeckParameters {
+    /// Creates the parameters of a deck in which other keywords define them, each once.
+    pub fn of(card: &'static str) -> Self {
+        Self { card: Some(card), duplicates: Duplicates::Refuse, ..Self::default() }
+    }
+
+    /// Adds a parameter.
+    pub fn define(&mut self, name: &str, value: Parameter, place: Place, trouble: &mut Trouble) {
+        self.set(name, value, place, trouble);
+    }
+
     /// Returns the value of a name.
     pub fn get(&self, name: &str) -> Option<&Parameter> {
         self.known.get(&name.to_ascii_lowercase())
@@ -62,6 +75,10 @@ impl DeckParameters {
     /// Returns the advice for an unknown name.
     pub fn nearest(&self, name: &str) -> String {
         let known: Vec<&str> = self.known.keys().map(String::as_str).collect();
+        if let Some(card) = self.card {
+            let near = crate::input::job::nearest(name, &known);
+            return format!("define it with {card}; {near}");
+        }
         match known.is_empty() {
             true => format!(
                 "define it above this line: *PARAMETER, and a line `R {name}` with its value"
