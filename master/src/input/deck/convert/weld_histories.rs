@@ -24,8 +24,8 @@ impl DeckConverter {
         let welds: Vec<MeshElement> = of_welds.filter(has_ends).copied().collect();
         if welds.is_empty() {
             let message = "*DATABASE_SWFORC: no spot weld is an element";
-            let help = "it has no effect: histories are those of beams and solids of *MAT_SPOTWELD, \
-                        and of *CONSTRAINED_SPOTWELD with limits";
+            let help = "it has no effect: histories are those of beams and solids of \
+                        *MAT_SPOTWELD, and of *CONSTRAINED_SPOTWELD with limits";
             self.trouble.warning(place, message, help);
             return Vec::new();
         }
