@@ -123,6 +123,8 @@ fn fields_that_others_make_void_are_reported() {
         "{warnings:?}"
     );
     assert!(!said(&with("")).contains("is not used"), "{}", said(&with("")));
+    let help = model.warnings.iter().find(|w| w.message.contains("`es`")).map(|w| w.help.as_str());
+    assert!(help.is_some_and(|help| help.contains("lcss has their place")), "{help:?}");
 }
 
 /// The same field in many cards is one finding with their number.
@@ -400,5 +402,48 @@ fn conditions_of_the_end_are_ignored_with_a_warning() {
         let said = said(&with(&format!("*TERMINATION_{name}\n1,1,5.0\n")));
         assert!(said.contains(&format!("*TERMINATION_{name} is not read")), "{said}");
         assert!(said.contains("it goes on to its end time"), "{said}");
+    }
+}
+
+/// Stresses without increasing strains are named with the field of the card.
+#[test]
+fn points_of_hardening_need_increasing_strains() {
+    let card = |eps: &str, es: &str| {
+        format!("{BASE}*MAT_024\n1,7.85e-6,207.0,0.3,0.3\n0\n{eps}\n{es}\n{MOVES}")
+    };
+    let report = refused(&card("0,0,0", "0.3,0.4,0.5"));
+    for words in
+        ["eps2 is 0, which is not above eps1 = 0, but es2 is 0.4", "all eps are 0", "deck.k:"]
+    {
+        assert!(report.contains(words), "{words}: {report}");
+    }
+    assert!(refused(&card("0,0.1,0.1", "0.3,0.4,0.5")).contains("eps3 is 0.1"));
+    model_of(&card("0,0.1,0.2", "0.3,0.4,0.5"));
+}
+
+/// A strain of failure in the place of vp is no flag of rates.
+#[test]
+fn vp_of_a_power_law_is_a_flag() {
+    let of = |card: &str| {
+        model_of(&format!(
+            "{BASE}*MAT_POWER_LAW_PLASTICITY\n1,7.85e-6,200.0,0.3,0.5,0.2\n{card}\n{MOVES}"
+        ))
+    };
+    let says = |model: &Model| model.warnings.iter().any(|w| w.message.contains("neither 0 nor 1"));
+    let given = of("0.3,0.4876");
+    assert!(says(&given), "{:?}", given.warnings);
+    let right = of("0.3,0,0.4876");
+    assert!(!says(&right));
+    assert_eq!(right.job.material[0].parameters["failure_strain"].to_string(), "0.4876");
+}
+
+/// Elements of two dimensions are no shells of another formulation.
+#[test]
+fn plane_elements_are_refused_as_such() {
+    for (elform, words) in [(15, "mesh the body with solids"), (22, "use 2 or 16")] {
+        let text =
+            based("").replace("*SECTION_SHELL\n1,2,", &format!("*SECTION_SHELL\n1,{elform},"));
+        let report = refused(&text);
+        assert!(report.contains(words), "{report}");
     }
 }

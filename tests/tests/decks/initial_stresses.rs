@@ -209,6 +209,17 @@ fn laws_of_the_whole_deformation_take_no_stress() {
     assert!(elastic.contains("the law `elastic` has none"), "{elastic}");
 }
 
+/// Rigid parts have no stress: those of a card are named.
+#[test]
+fn stresses_of_rigid_parts_are_reported() {
+    let rigid = BASE.replace("cube\n2,2,1\n", "cube\n2,2,2\n");
+    let stress = "*INITIAL_STRESS_SOLID\n1\n0.1\n*INITIAL_STRESS_SHELL\n1,1,1\n0,0.1\n";
+    let steel = "*MAT_RIGID\n2,7.85e-6,207.0,0.3\n";
+    let model = model_of(&format!("{rigid}{STEEL}{steel}{MOVES}{stress}"));
+    assert!(said(&model).contains("the stresses of part 2 have no effect, since it is rigid"));
+    assert!(!said(&model).contains("the stresses of part 1"));
+}
+
 /// Cards that are wrong are named with the element.
 #[test]
 fn wrong_stresses_are_named() {

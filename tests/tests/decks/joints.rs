@@ -118,6 +118,26 @@ fn spot_welds_of_beams_break() {
     assert_eq!(numbers, [0.4, 2.0, 0.5]);
 }
 
+/// The forces of welds on one of their ends are in `sections.csv`.
+#[test]
+fn forces_of_welds_have_histories() {
+    let weld = "*PART\nweld\n3,3,2\n*SECTION_BEAM\n3,9,1.0,2,1.0\n5.0\n*MAT_100\n\
+                2,7.85e-6,207.0,0.3,0.4,2.0\n\n*ELEMENT_BEAM\n21,3,2,12\n";
+    let model = with(&format!("{weld}*DATABASE_SWFORC\n0.1\n"));
+    let section = &model.job.output.section[0];
+    assert_eq!((section.name.as_str(), &section.elements[..]), ("weld-21", &[21][..]));
+    assert_eq!(set(&model, &section.nodes), [12]);
+    let cut = "*SET_NODE_LIST\n5\n12\n*SET_BEAM\n6\n21\n*DATABASE_CROSS_SECTION_SET\n5,0,6\n";
+    let model = with(&format!("{weld}{cut}"));
+    assert_eq!(model.job.output.section[0].elements, [21], "a set of beams");
+    let none = |interval: &str| with(&format!("*DATABASE_SWFORC\n{interval}\n"));
+    let warned = |model: &Model| {
+        model.warnings.iter().any(|w| w.message.contains("no spot weld is an element"))
+    };
+    assert!(none("0.1").job.output.section.is_empty());
+    assert!(warned(&none("0.1")) && !warned(&none("0.0")));
+}
+
 fn set(model: &Model, name: &str) -> Vec<u64> {
     model
         .mesh

@@ -311,7 +311,11 @@ fn numbers_beyond_their_columns_are_read_as_words() {
     let model = with(&curve("0.000000000000000E+00                 1.0"));
     assert_eq!(model.job.curve[0].points, [[0.0, 1.0], [10.0, 2.0]]);
     let says = |w: &str| model.warnings.iter().any(|warning| warning.message.contains(w));
-    assert!(says("two numbers are in the columns of one field"), "{:?}", model.warnings);
+    assert!(
+        says("are not in their columns; the line is read word by word"),
+        "{:?}",
+        model.warnings
+    );
     let report = crate::base::refused(&curve("0.000000000000000E+00                 1.0x"));
     assert!(report.contains("has to be a number"), "{report}");
     let mass = "*ELEMENT_MASS\n   1   11   1.0\n";

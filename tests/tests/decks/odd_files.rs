@@ -113,3 +113,46 @@ fn solids_on_two_lines_may_have_zeros_on_the_first() {
     let report = reading(eight.as_bytes(), &[]).err().expect("it is refused");
     assert!(report.contains("has nodes n5 to n8"), "{report}");
 }
+
+/// Lines whose numbers are one column too far right, or cross the border of their columns, are read
+/// as meant, with a warning. Where this would be a guess, they are errors.
+#[test]
+fn numbers_that_cross_their_columns_are_read_with_a_warning() {
+    let base = plain();
+    let end = |line: &str| {
+        let text =
+            base.replace("*CONTROL_TERMINATION\n10.0", &format!("*CONTROL_TERMINATION\n{line}"));
+        reading(text.as_bytes(), &[])
+    };
+    let says = |model: &Model, words: &str| {
+        assert!(model.warnings.iter().any(|w| w.message.contains(words)), "{:?}", model.warnings);
+    };
+    for (line, until) in [
+        ("       10.0         0       0.0       0.01.000000E8         0", 10.0),
+        ("    0.002       0      0.0     0.0     0.0", 0.002),
+        ("     1.0E-3", 1.0e-3),
+        ("     1.0E-3         0       0.0", 1.0e-3),
+    ] {
+        let model = end(line).unwrap_or_else(|report| panic!("{line}: {report}"));
+        assert_eq!(model.job.end_time, until, "{line}");
+        says(&model, "card 1 are not in their columns");
+    }
+    for line in ["     1.0E-x", "  0.002 0.0  0.0     0.0        0.0"] {
+        let report = end(line).err().unwrap_or_else(|| panic!("no error: {line}"));
+        assert!(report.contains("has to be a"), "{report}");
+    }
+    // The third word may be the third number or the fourth one.
+    let wall =
+        "*RIGIDWALL_PLANAR\n0\n      0.0         0.0        0.0       0.0        0.0        1.0\n";
+    let report = reading(base.replace("*END", &format!("{wall}*END")).as_bytes(), &[]).err();
+    assert!(report.is_some_and(|report| report.contains("check the columns")));
+
+    let long = "*PARAMETER\nRlong      10.12345678901\n";
+    let model = passes(
+        base.replace("*KEYWORD\n", &format!("*KEYWORD\n{long}"))
+            .replace("*CONTROL_TERMINATION\n10.0", "*CONTROL_TERMINATION\n&long")
+            .as_bytes(),
+    );
+    assert_eq!(model.job.end_time, 10.12345678901);
+    says(&model, "the value of `Rlong` has more columns than its field");
+}

@@ -56,6 +56,26 @@ fn each_keyword_has_its_kind() {
     }
 }
 
+/// Two hinges of the same bodies have a stiffness each, as the two hinges of a door do; a third
+/// stiffness has no joint.
+#[test]
+fn each_of_two_joints_has_a_stiffness() {
+    let stiffness = |curve: u32| {
+        format!("*CONSTRAINED_JOINT_STIFFNESS_GENERALIZED\n{curve},1,2,7,7\n0,{curve}\n0,0\n0,0\n")
+    };
+    let hinges = format!(
+        "*DEFINE_COORDINATE_SYSTEM\n7,0,0,0,1,0,0\n0,1,0\n\
+         *DEFINE_CURVE\n1\n-1.0,-30.0\n1.0,30.0\n*DEFINE_CURVE\n2\n-1.0,-20.0\n1.0,20.0\n\
+         *CONSTRAINED_JOINT_REVOLUTE\n21,22,23,24\n*CONSTRAINED_JOINT_REVOLUTE\n21,22,23,24\n{}{}",
+        stiffness(1),
+        stiffness(2)
+    );
+    let last = |at: usize| joints(&hinges)[at].rotation.clone().expect("a stiffness").table[1];
+    assert_eq!([last(0), last(1)], [[1.0, 30.0], [1.0, 20.0]]);
+    let report = deck(&format!("{hinges}{}", stiffness(1))).err().expect("an error").to_string();
+    assert!(report.contains("this joint has another one"), "{report}");
+}
+
 /// Resistance by the angles of a system of axes: its y axis is that of the joint, in the opposite
 /// direction if the parts are named in the other order.
 #[test]

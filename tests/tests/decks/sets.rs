@@ -34,6 +34,24 @@ fn loaded(lines: &str) -> Vec<Vec<u64>> {
     all
 }
 
+/// Node sets may have the same title: each has its own id, and the later ones have a number in
+/// their names. Sets with the same nodes are one.
+#[test]
+fn node_sets_may_have_one_title() {
+    let titled = |sid: u32, nodes: &str| format!("*SET_NODE_LIST_TITLE\nhinge\n{sid}\n{nodes}\n");
+    let model = with(&format!(
+        "{}{}{}*DATABASE_HISTORY_NODE_SET\n2\n",
+        titled(1, "11,12"),
+        titled(2, "13,16"),
+        titled(3, "12,11")
+    ));
+    assert_eq!(set(&model, "hinge"), [11, 12]);
+    assert_eq!(set(&model, "hinge 2"), [13, 16]);
+    assert_eq!([set(&model, "set-2"), set(&model, "set-3")], [vec![13, 16], vec![11, 12]]);
+    assert!(!model.mesh.node_sets.contains_key("hinge 3"));
+    assert_eq!(model.job.output.node[0].name, "hinge 2");
+}
+
 #[test]
 fn sets_of_segments_have_options() {
     let general = |lines: &str| loaded(&format!("*SET_SEGMENT_GENERAL\n7\n{lines}"));

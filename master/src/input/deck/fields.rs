@@ -118,29 +118,92 @@ pub fn split(line: &[u8], card: &Card, format: CardFormat) -> Fields {
     fields.drop_blanks()
 }
 
+/// Largest shift of a line for which its columns are found again.
+const SHIFT: usize = 3;
+
 /// Returns the words of a line as the fields of a card whose columns they do not fit: a field of a
-/// number has two words in its columns, and there is one word for each field, which fits it. With
-/// fewer words it would not be known which fields are blank. `None` if the line fits its columns,
-/// or its words do not fit either.
-pub fn words_of_broken_columns(line: &[u8], card: &Card, by_columns: &Fields) -> Option<Fields> {
+/// number has something else in its columns, such as two words or a part of a number. Words are
+/// fields if there is one for each field, if all columns are some columns farther right, or if each
+/// word has most of its columns in the next field. Otherwise it would not be known which fields are
+/// blank. `None` if the line fits its columns, or its words do not fit either.
+pub fn words_of_broken_columns(
+    line: &[u8],
+    card: &Card,
+    format: CardFormat,
+    by_columns: &Fields,
+) -> Option<Fields> {
+    let fits = |fields: &Fields| {
+        card.fields.iter().enumerate().all(|(index, field)| {
+            let text = fields.text(line, index);
+            match field.kind {
+                _ if text.is_empty() || text.contains(&b'&') => true,
+                FieldType::Integer => number::integer(text).is_some(),
+                FieldType::Real => number::real(text).is_some(),
+                FieldType::Word | FieldType::Line => true,
+            }
+        })
+    };
     let is_number = |kind: FieldType| matches!(kind, FieldType::Integer | FieldType::Real);
-    let kinds = card.fields.iter().map(|field| field.kind);
-    let broken = kinds.clone().enumerate().any(|(index, kind)| {
-        is_number(kind) && by_columns.text(line, index).iter().any(u8::is_ascii_whitespace)
-    });
-    if !broken || line.contains(&b',') {
+    let numbers = card.fields.iter().all(|field| is_number(field.kind));
+    let marks = line.iter().any(|b| b",\t".contains(b));
+    if marks || format == CardFormat::Words || fits(by_columns) || !numbers {
         return None;
     }
-    let words = words(line, Fields { count: 0, spans: [(0, 0); MOST] });
-    let fit = kinds.enumerate().take(words.count()).all(|(index, kind)| {
-        let word = words.text(line, index);
-        match kind {
-            FieldType::Integer => number::integer(word).is_some(),
-            FieldType::Real => number::real(word).is_some(),
-            FieldType::Word | FieldType::Line => false,
+    let none = || Fields { count: 0, spans: [(0, 0); MOST] };
+    let words = words(line, none());
+    if words.count() > card.fields.len() {
+        return shifted(line, card, format).find(fits);
+    }
+    if !fits(&words) {
+        return shifted(line, card, format).find(fits);
+    }
+    if words.count() == card.fields.len() {
+        return Some(words);
+    }
+    shifted(line, card, format).find(fits).or_else(|| {
+        let mut border = 0;
+        let in_order = card.fields.iter().enumerate().take(words.count()).all(|(index, field)| {
+            let from = border;
+            border += format.width(field.width);
+            let (start, end) = words.span(index);
+            // Twice the middle of the word, to stay with whole numbers.
+            (2 * from..2 * border).contains(&(start + end))
+        });
+        in_order.then_some(words)
+    })
+}
+
+/// Splits a line by columns that begin later than those of its card, by one column, by two and so
+/// on; the first field is so much wider. No border divides a number, and none is inside of the last
+/// word.
+fn shifted<'l>(
+    line: &'l [u8],
+    card: &'l Card,
+    format: CardFormat,
+) -> impl Iterator<Item = Fields> + 'l {
+    (1..=SHIFT).filter_map(move |shift| {
+        let mut fields = Fields { count: 0, spans: [(0, 0); MOST] };
+        let (mut from, mut to) = (0, shift);
+        for (index, field) in card.fields.iter().enumerate() {
+            to += format.width(field.width);
+            let is_last = index + 1 == card.fields.len();
+            if divided(line, to).is_some_and(|word| is_last || number::real(word).is_some()) {
+                return None;
+            }
+            fields.push(line, from, to);
+            from = to;
         }
-    });
-    (fit && words.count() == card.fields.len()).then_some(words)
+        Some(fields.drop_blanks())
+    })
+}
+
+/// Returns the word that a border between columns divides.
+fn divided(line: &[u8], border: usize) -> Option<&[u8]> {
+    let (before, after) = line.split_at_checked(border)?;
+    let is_blank = |b: &u8| b.is_ascii_whitespace();
+    let start = before.iter().rposition(is_blank).map_or(0, |at| at + 1);
+    let end = border + after.iter().position(is_blank).unwrap_or(after.len());
+    (start < border && end > border).then(|| &line[start..end])
 }
 
 /// Splits a line at separators.

@@ -1,4 +1,5 @@
-//! `*PARAMETER` and `*PARAMETER_EXPRESSION`: names of values, which fields use as `&name`.
+//! `*PARAMETER` and `*PARAMETER_EXPRESSION`: names of values, which fields use as `&name`. Decks
+//! of Radioss have them in `/PARAMETER/GLOBAL`.
 
 use super::diagnostics::Trouble;
 use super::expression;
@@ -27,6 +28,8 @@ pub struct DeckParameters {
     duplicates: Duplicates,
     /// True while a block of local parameters is read, which hide others of the same name.
     local: bool,
+    /// Keyword that defines parameters, if it is not `*PARAMETER`.
+    card: Option<&'static str>,
 }
 
 /// Treatment of a second value of a parameter (`*PARAMETER_DUPLICATION`).
@@ -54,6 +57,16 @@ pub fn reference(text: &str) -> Option<(bool, &str)> {
 }
 
 impl DeckParameters {
+    /// Creates the parameters of a deck in which other keywords define them, each once.
+    pub fn of(card: &'static str) -> Self {
+        Self { card: Some(card), duplicates: Duplicates::Refuse, ..Self::default() }
+    }
+
+    /// Adds a parameter.
+    pub fn define(&mut self, name: &str, value: Parameter, place: Place, trouble: &mut Trouble) {
+        self.set(name, value, place, trouble);
+    }
+
     /// Returns the value of a name.
     pub fn get(&self, name: &str) -> Option<&Parameter> {
         self.known.get(&name.to_ascii_lowercase())
@@ -62,6 +75,10 @@ impl DeckParameters {
     /// Returns the advice for an unknown name.
     pub fn nearest(&self, name: &str) -> String {
         let known: Vec<&str> = self.known.keys().map(String::as_str).collect();
+        if let Some(card) = self.card {
+            let near = crate::input::job::nearest(name, &known);
+            return format!("define it with {card}; {near}");
+        }
         match known.is_empty() {
             true => format!(
                 "define it above this line: *PARAMETER, and a line `R {name}` with its value"
@@ -128,7 +145,21 @@ impl DeckParameters {
     fn pairs(&mut self, text: &str, width: usize, place: Place, trouble: &mut Trouble) {
         let fields: Vec<&str> = match text.contains(',') {
             true => text.split(',').map(str::trim).collect(),
-            false => columns(text, width),
+            false => match long_value(text, width) {
+                Some(pair) => {
+                    let message = {
+                        let name = pair[0].split_whitespace().last().unwrap_or_default();
+                        format!("the value of `{name}` has more columns than its field")
+                    };
+                    let help = format!(
+                        "all of {} is read; give {width} columns, or commas between name and value",
+                        pair[1]
+                    );
+                    trouble.warning(place, message, help);
+                    pair.to_vec()
+                }
+                None => columns(text, width),
+            },
         };
         for pair in fields.chunks(2) {
             let (name, value) = (pair[0], pair.get(1).copied().unwrap_or_default());
@@ -231,6 +262,18 @@ fn head(text: &str, width: usize) -> (String, String) {
             (text.chars().take(width).collect(), rest)
         }
     }
+}
+
+/// Returns the only name of a line and its value, if this is a number that goes on beyond its
+/// columns.
+fn long_value(text: &str, width: usize) -> Option<[&str; 2]> {
+    let fields = columns(text, width);
+    let [name, value, rest, ..] = fields[..] else { return None };
+    let at = text.char_indices().nth(width)?.0;
+    let whole = text[at..].trim();
+    let is_number =
+        !whole.contains(char::is_whitespace) && number::real(whole.as_bytes()).is_some();
+    (!value.is_empty() && !rest.is_empty() && is_number).then_some([name, whole])
 }
 
 fn columns(text: &str, width: usize) -> Vec<&str> {

@@ -397,10 +397,10 @@ impl Cards<'_> {
     ) -> CardLine {
         let text = self.texts.line(block, span);
         let mut fields = split(text, card, block.format);
-        if let Some(words) = words_of_broken_columns(text, card, &fields) {
+        if let Some(words) = words_of_broken_columns(text, card, block.format, &fields) {
             let message = format!(
-                "{}: two numbers are in the columns of one field of card {}; the line is read word \
-                 by word",
+                "{}: the numbers of card {} are not in their columns; the line is read word by \
+                 word",
                 block.shown(),
                 number + 1
             );

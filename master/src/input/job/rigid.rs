@@ -214,6 +214,10 @@ fn numbers(rigid: &Rigid, i: usize, job: &Job, findings: &mut JobProblems) {
     }
 }
 
+/// Excess of a moment over the sum of the other two that rounding explains: moments of thin plates
+/// are often given with three to five digits.
+const ROUNDED: f64 = 1e-3;
+
 /// Returns true if a distribution of mass has this inertia, to which a sphere is added, whose
 /// moment may be 0.
 fn is_inertia([xx, yy, zz, xy, yz, zx]: [f64; 6], sphere: f64) -> bool {
@@ -222,7 +226,8 @@ fn is_inertia([xx, yy, zz, xy, yz, zx]: [f64; 6], sphere: f64) -> bool {
     // axes, which holds for every body.
     let minor = xx * yy - xy * xy;
     let whole = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx);
-    let triangle = xx <= yy + zz && yy <= zz + xx && zz <= xx + yy;
+    let triangle = |a: f64, b: f64, c: f64| a <= (1.0 + ROUNDED) * (b + c);
+    let triangle = triangle(xx, yy, zz) && triangle(yy, zz, xx) && triangle(zz, xx, yy);
     xx > 0.0 && minor > 0.0 && whole > 0.0 && triangle
 }
 

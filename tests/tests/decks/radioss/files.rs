@@ -1,6 +1,6 @@
 //! Files of Radioss decks: the engine file, includes, other formats, mesh files, imports.
 
-use super::{deck, mesh, model, moves, properties, read_at, reading, said, steel, with};
+use super::{card, deck, mesh, model, moves, properties, read_at, reading, said, steel, with};
 use crumple::input::mesh_file;
 use crumple_proto::job::Job;
 use crumple_tests::manual::{Snippet, blocks};
@@ -235,4 +235,32 @@ fn the_deck_of_the_guide_runs() {
     let last = impulse.lines().last().unwrap().split(',').nth(4).unwrap();
     let momentum = 7.85e-6 * 20.0 * 10.0 * 1.0;
     assert!(last.parse::<f64>().unwrap().abs() > 0.9 * momentum, "{last} of {momentum}");
+}
+
+/// Parameters stand for values in fields above and below them, and for the thickness of a property.
+#[test]
+fn parameters_stand_for_values() {
+    let lines = "/PARAMETER/GLOBAL/REAL/1
+        =thickness
+        wwall r1.25
+        /PARAMETER/GLOBAL/REAL_EXPR/2
+        =twice
+        wtwice w2*wall
+        /PARAMETER/GLOBAL/INTEGER/3
+        =points
+        wpoints i3";
+    let parts = properties().replace(&card("i3 i0 r1.0"), &card("w&points i0 w&twice"));
+    assert!(parts.contains("&twice"), "{parts}");
+    let text = |lines: &str| mesh() + &parts + &steel() + &moves() + &deck(lines);
+    let found = model(&text(lines));
+    let sheet = found.job.part.iter().find(|part| part.thickness > 0.0).expect("shells");
+    assert_eq!(sheet.thickness, 2.5);
+    for (lines, words) in [
+        (lines.replace("wtwice ", "wtwo "), "define it with /PARAMETER/GLOBAL/REAL or INTEGER"),
+        (lines.replace("2*wall", "2*wal"), "parameter `twice`: there is no parameter `wal` yet"),
+        (lines.replace("wtwice w2*wall", "wwall w2"), "parameter `wall` has two values"),
+    ] {
+        let report = reading(&text(&lines), &[]).err().expect("a report");
+        assert!(report.contains(words), "{report}");
+    }
 }

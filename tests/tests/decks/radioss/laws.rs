@@ -96,3 +96,47 @@ fn a_fabric_has_its_yarns_along_the_axes_of_its_property() {
     let report = reading(&text("r0.2", ""), &[]).err().expect("a report");
     assert!(report.contains("`re` = 0.2 is not supported"), "{report}");
 }
+
+/// The yield condition of Hill is that of Barlat with the exponent 2. A function of the mean over
+/// the directions becomes that of tension along the first axis: the same work for the same path.
+#[test]
+fn a_sheet_of_hill_yields_along_its_axes() {
+    let sheet = card("i1 i1 i0");
+    let property =
+        "/PROP/SH_ORTH/5\n=sheet\ni1 i0 i0 i0\nr0 r0 r0 r0 r0\ni3 i0 r0.5\nr0 r1 r0 r30\n";
+    let text = |iyield: &str, functions: &str, property: &str| {
+        let law = format!(
+            "/FUNCT/8\n=y\nr0 r0.3\nr0.5 r0.4\n/MAT/HILL_TAB/5\n=sheet\nr7.85e-6\nr207.0 r0.3\n_\n\
+             r1.73 r1.34 r2.24 r0 {iyield}\n_\n{functions}\n{property}\
+             /MAT/ELAST/1\n=steel\nr7.85e-6\nr207.0 r0.3\n"
+        );
+        text_of(&law).replacen(&sheet, &card("i5 i5 i0"), 1)
+    };
+    let law = |text: &str| {
+        let found = model(text).job.material.into_iter().find(|m| m.law == "barlat");
+        found.expect("a sheet").parameters
+    };
+    let first = |parameters: &std::collections::BTreeMap<String, toml::Value>| {
+        let rows = parameters["hardening"].as_array().expect("rows");
+        let number = |row: usize, c: usize| rows[row][c].as_float().expect("a number");
+        [number(0, 1), number(1, 0), number(1, 1)]
+    };
+    let direct = law(&text("i1", "i8", property));
+    let keys = ["exponent", "lankford_0", "lankford_45", "lankford_90", "angle"];
+    assert_eq!(keys.map(|key| direct[key].as_float()), [2.0, 1.73, 1.34, 2.24, 30.0].map(Some));
+    assert_eq!(first(&direct), [0.3, 0.5, 0.4]);
+    let mean = first(&law(&text("i0", "i8 _ r2.0", property)));
+    let r: f64 = (1.73 + 2.0 * 1.34 + 2.24) / 4.0;
+    let along = (r / (1.0 + r) * (1.0 + 1.0 / 1.73)).sqrt();
+    for (found, wanted) in mean.into_iter().zip([0.6 / along, 0.5 * along, 0.8 / along]) {
+        assert!((found / wanted - 1.0).abs() < 1e-14, "{found} {wanted}");
+    }
+    for (text, words) in [
+        (text("i1", "i8\ni8 _ r1.0 r0.1", property), "2 functions"),
+        (text("i1", "i8", &property.replace("SH_ORTH", "SHELL")), "which its property lacks"),
+        (text("i1", "i8", property).replace("1.73", "-1.0"), "r00 is -1"),
+    ] {
+        let report = reading(&text, &[]).err().expect("a report");
+        assert!(report.contains(words), "{words}: {report}");
+    }
+}

@@ -85,6 +85,16 @@ fn the_fourth_line_of_a_body_has_its_columns() {
     assert!(!report.contains("more lines"), "{report}");
 }
 
+/// Fields that are ignored for one reason have one warning.
+#[test]
+fn the_inertia_of_a_body_has_one_warning() {
+    let inertia = "r5 r6 r7\nr0.1 r0 r0";
+    let found = model(&with(&format!("{BODY}\n/RBODY/1\n=b\ni90 i0 i0 i0 r0 i2 i1\n{inertia}")));
+    let all = found.warnings.iter().map(|w| w.message.as_str());
+    let all: Vec<&str> = all.filter(|message| message.contains("jxx")).collect();
+    assert_eq!(all, ["/RBODY: `jxx` = 5, `jyy` = 6, `jzz` = 7, `jxy` = 0.1 are ignored"]);
+}
+
 /// A wall stops nodes in front of it only, and nodes of a body only with Ikrem 1.
 #[test]
 fn walls_stop_nodes_in_front_and_of_bodies_with_a_flag() {

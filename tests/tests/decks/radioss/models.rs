@@ -106,10 +106,13 @@ fn the_largest_strain_fades_the_stress() {
     let fading = law("r0.1 r0.2");
     let keys = ["erosion_major_strain_start", "erosion_major_strain"];
     assert_eq!(keys.map(|key| number(&fading, key)), [0.1, 0.2]);
-    assert!(said(&fading).contains("removes a shell with its first failed point"));
+    assert!(said(&fading).contains("faded stress does not rise again"));
+    // A shell goes with its first failed point.
+    assert_eq!(number(&fading, "erosion_failed_points"), 1.0);
     let sudden = law("r0 r0 i0 r0.3");
     assert_eq!(number(&sudden, keys[1]), 0.3);
     assert!(!sudden.job.material[0].parameters.contains_key(keys[0]));
+    assert!(!said(&sudden).contains("faded stress"), "{}", said(&sudden));
     let backwards = law("r0.3 r0.2");
     assert!(said(&backwards).contains("epst1 0.3 -> not used"), "{}", said(&backwards));
     for (fail, words) in [

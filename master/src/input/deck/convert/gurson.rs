@@ -73,7 +73,9 @@ impl DeckConverter {
             }
             3.0 => {
                 let points = pairs(record, "eps", "es");
-                table.put("hardening", record.place("es"), rows(&hardening_curve(points)));
+                if self.strains_increase(record, &points) {
+                    table.put("hardening", record.place("es"), rows(&hardening_curve(points)));
+                }
             }
             _ => self.unsupported_value(record, "atyp", "use 1, 2 or 3, or a curve (lcss)"),
         }

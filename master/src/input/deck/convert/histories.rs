@@ -30,6 +30,7 @@ impl DeckConverter {
         for (record, name) in of_planes.iter().zip(plane_names) {
             sections.extend(self.section_of_plane(record, name.clone()));
         }
+        sections.extend(self.weld_forces());
         self.put_list("section", sections);
         self.node_histories();
     }
@@ -141,7 +142,7 @@ impl DeckConverter {
         &mut self,
         record: &CardRecord,
         name: String,
-        sets: &[ElementSets; 3],
+        sets: &[ElementSets; 4],
     ) -> Option<(Place, JobTable)> {
         let set = self.node_set(record.integer("nsid"), record.place("nsid"))?;
         let mut elements: Vec<i64> = Vec::new();
@@ -163,9 +164,10 @@ impl DeckConverter {
             };
             elements.extend(self.elements_in(kind, ranges).iter().map(|e| e.id.0 as i64));
         }
-        for field in ["bsid", "tsid"].into_iter().filter(|f| record.integer(f) != 0) {
-            let message = format!("{name}: elements of `{field}` are ignored");
-            self.trouble.warning(record.place(field), message, "use solids, shells or springs");
+        if record.integer("tsid") != 0 {
+            let message = format!("{name}: elements of `tsid` are ignored");
+            let help = "use solids, shells, beams or springs";
+            self.trouble.warning(record.place("tsid"), message, help);
         }
         let nodes: HashSet<NodeId> =
             self.node_sets[&record.integer("nsid")].0.iter().copied().collect();

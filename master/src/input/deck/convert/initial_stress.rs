@@ -13,7 +13,7 @@ use crate::input::deck::text::KeywordBlock;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::ElemId;
 use crumple_proto::initial::InitialPoint;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 const OF_SHELLS: &str = "INITIAL_STRESS_SHELL";
 /// Numbers of history variables on a line, in the standard and in the large format.
@@ -309,6 +309,7 @@ impl DeckConverter {
                 self.map(format!("*{keyword}"), "stresses at several points", used);
             }
         }
+        self.stresses_of_rigid(&taken);
         let initial = &mut self.rows.initial;
         for (element, points) in taken {
             initial.extend(points.into_iter().map(|point| InitialPoint { element, ..point }));
@@ -316,6 +317,23 @@ impl DeckConverter {
         crumple_proto::initial::sort(initial);
         let used = "stress and plastic strain at the start; no internal energy";
         self.map("*INITIAL_STRESS_...", format!("{} points", self.rows.initial.len()), used);
+    }
+
+    /// Reports stresses of rigid parts, which have no effect.
+    fn stresses_of_rigid(&mut self, taken: &HashMap<ElemId, Vec<InitialPoint>>) {
+        let elements = self.rows.shells.iter().chain(&self.rows.solids);
+        let stressed: BTreeSet<u32> =
+            elements.filter(|e| taken.contains_key(&e.id)).map(|e| e.part).collect();
+        for part in stressed {
+            let Some(rigid) = self.parts.get(&i64::from(part)).filter(|p| p.rigid.is_some()) else {
+                continue;
+            };
+            let message = format!(
+                "*INITIAL_STRESS_...: the stresses of part {part} have no effect, since it is rigid"
+            );
+            let help = "give the part another material if it deforms";
+            self.trouble.warning(rigid.place, message, help);
+        }
     }
 }
 

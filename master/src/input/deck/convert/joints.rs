@@ -241,8 +241,15 @@ impl DeckConverter {
             let axis = joint.axis.unwrap_or_default();
             (0..3).find(|&k| cosine(&axes[k], &axis).abs() > ALIGNED)
         };
-        let fits = |joint: &&mut DeckJoint| is_meant(joint) && along(joint).is_some();
-        let Some(joint) = joints.iter_mut().find(fits) else {
+        let fits = |joint: &DeckJoint| is_meant(joint) && along(joint).is_some();
+        // Two bodies can have several joints, such as the hinges of a door, each with a stiffness.
+        let is_free = |joint: &DeckJoint| fits(joint) && !joint.table.has(fields.key);
+        let Some(at) = joints.iter().position(is_free) else {
+            if joints.iter().any(fits) {
+                let message = format!("{}: this joint has another one", record.name());
+                let help = "give each joint one stiffness, with the sums of their curves";
+                return self.trouble.error(record.place("pida"), message, help);
+            }
             if joints.iter().any(is_meant) {
                 let why = "the axis of the joint is no axis of this system";
                 return self.unsupported_card(record, "cida", why);
@@ -251,11 +258,7 @@ impl DeckConverter {
                 format!("{}: no joint of these bodies has a `{}`", record.name(), fields.key);
             return self.unsupported(record.place("pida"), message, record.name());
         };
-        if joint.table.has(fields.key) {
-            let message = format!("{}: this joint has another one", record.name());
-            let help = "give each joint one stiffness, with the sums of their curves";
-            return self.trouble.error(record.place("pida"), message, help);
-        }
+        let joint = &mut joints[at];
         let found = along(joint);
         let sign =
             found.map_or(1.0, |k| cosine(&axes[k], &joint.axis.unwrap_or_default()).signum());

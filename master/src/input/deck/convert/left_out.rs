@@ -195,9 +195,14 @@ impl DeckConverter {
             return;
         }
         let emptied = self.rows.remove_from_sets(&lost);
-        let (places, bodies) = self.tree.remove_entries_of(&emptied);
-        for place in places {
-            let message = "all its nodes are those of parts that are left out";
+        let (removed, bodies) = self.tree.remove_entries_of(&emptied);
+        for (list, place) in removed {
+            let what = match list.as_str() {
+                "output" => "an entry of [output]".to_string(),
+                list => format!("[[{list}]]"),
+            };
+            let message =
+                format!("{what} is left out: all its nodes are those of parts that are left out");
             self.trouble.warning(place, message, "it has no effect");
         }
         for (place, body) in self.tree.remove_entries_on(&bodies) {

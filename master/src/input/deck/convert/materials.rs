@@ -346,9 +346,35 @@ impl DeckConverter {
             }
             table.put("yield_stress", record.place("sigy"), record.real("sigy"));
             self.hardening_modulus(record, record.real("e"), record.real("etan"), table);
-        } else {
+        } else if self.strains_increase(record, &points) {
             table.put("hardening", record.place("es"), rows(&hardening_curve(points)));
         }
+    }
+
+    /// Returns false after it has reported that the strains eps of a metal do not increase.
+    pub(super) fn strains_increase(&mut self, record: &CardRecord, points: &[[f64; 2]]) -> bool {
+        let Some(at) = points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) else {
+            return true;
+        };
+        let [[before, _], [strain, stress]] = [points[at], points[at + 1]];
+        let message = format!(
+            "{}: eps{} is {strain}, which is not above eps{} = {before}, but es{} is {stress}",
+            record.name(),
+            at + 2,
+            at + 1,
+            at + 2
+        );
+        let help = match points.iter().all(|point| point[0] == 0.0) {
+            true => {
+                "all eps are 0, so the stresses es belong to no strains: give eps, or leave es \
+                 blank for sigy and etan, or a curve (lcss)"
+            }
+            false => "give eps in increasing order, and leave fields blank that have no point",
+        };
+        let places: Vec<Place> = record.lines("eps").flat_map(|line| line.places("eps")).collect();
+        let place = places.get(at + 1).copied().unwrap_or_else(|| record.place("eps"));
+        self.trouble.error(place, message, help);
+        false
     }
 
     /// Converts a table of curves by strain rate.

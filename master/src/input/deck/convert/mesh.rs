@@ -570,13 +570,18 @@ impl Rows {
 
     /// Adds a node set. A name that another set has is noted in `same_names`.
     pub fn add_set(&mut self, name: String, nodes: Vec<NodeId>, place: Place) {
-        let same = |known: &(Vec<NodeId>, Place)| {
-            let of = |nodes: &[NodeId]| nodes.iter().copied().collect::<BTreeSet<NodeId>>();
-            known.0 == nodes || of(&known.0) == of(&nodes)
-        };
         match self.sets.get(&name) {
-            Some(known) if !same(known) => self.same_names.push((name, place)),
+            Some(known) if !same_nodes(&known.0, &nodes) => self.same_names.push((name, place)),
             _ => drop(self.sets.insert(name, (nodes, place))),
+        }
+    }
+
+    /// Adds a node set under the name that its author gave it, and returns this name; if a set with
+    /// other nodes has it, that with a number.
+    pub fn add_named_set(&mut self, name: &str, nodes: Vec<NodeId>, place: Place) -> String {
+        match self.sets.get(name) {
+            Some(known) if same_nodes(&known.0, &nodes) => name.to_string(),
+            _ => self.add_new_set(name, nodes, place),
         }
     }
 
@@ -668,6 +673,12 @@ impl Rows {
         }
         (Mesh { nodes: self.nodes, elements, node_sets, initial }, places)
     }
+}
+
+/// Returns true if two sets have the same nodes.
+fn same_nodes(a: &[NodeId], b: &[NodeId]) -> bool {
+    let of = |nodes: &[NodeId]| nodes.iter().copied().collect::<BTreeSet<NodeId>>();
+    a == b || of(a) == of(b)
 }
 
 /// Returns the index of each element after some are removed; `None` for these.

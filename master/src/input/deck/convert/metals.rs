@@ -175,8 +175,18 @@ impl DeckConverter {
         let points: Vec<[f64; 2]> =
             strains.map(|strain| [strain - first, k * strain.powf(n)]).collect();
         table.put("hardening", record.place("k"), rows(&hardening_curve(points)));
+        let vp = record.real("vp");
+        let is_flag = [0.0, 1.0, -1.0].contains(&vp);
         if rates(record, "src", "srp", table) {
             self.viscoplastic(record, table);
+        } else if !is_flag {
+            let message = format!(
+                "{}: vp is {vp}, which is neither 0 nor 1, and is not used: there are no rates",
+                record.name()
+            );
+            let help = "the order of this card is sigy, vp, epsf: if this is the strain of \
+                        failure, give it as epsf, in columns 21 to 30";
+            self.trouble.warning(record.place("vp"), message, help);
         }
         if record.real("epsf") > 0.0 {
             table.put("failure_strain", record.place("epsf"), record.real("epsf"));

@@ -67,6 +67,7 @@ mod unused;
 mod vectors;
 mod viscous_materials;
 mod walls;
+mod weld_histories;
 mod welds;
 
 use super::affine::Affine;
@@ -110,7 +111,7 @@ pub struct DeckConverter {
     part_sets: BTreeMap<i64, Vec<(i64, Place)>>,
     segment_sets: BTreeMap<i64, Vec<segments::DeckSegment>>,
     /// Sets of elements, in the order of [`sets::ELEMENT_SETS`].
-    element_sets: [sets::ElementSets; 3],
+    element_sets: [sets::ElementSets; 4],
     parts: BTreeMap<i64, parts::DeckPart>,
     used_materials: Vec<i64>,
     /// Mass or volume of the particles of a part, with the place of its first particle.
@@ -119,6 +120,8 @@ pub struct DeckConverter {
     /// with such limits.
     weld_parts: Vec<(i64, i64, Place)>,
     weld_beams: BTreeSet<i64>,
+    /// Parts of beams that come from welds of two nodes.
+    welded_parts: BTreeSet<u32>,
     /// Materials of welds whose solids fail one by one.
     weld_alone: BTreeSet<i64>,
     /// Cards of equations of state.
@@ -308,6 +311,7 @@ impl DeckConverter {
             part_sets: BTreeMap::new(),
             weld_parts: Vec::new(),
             weld_beams: BTreeSet::new(),
+            welded_parts: BTreeSet::new(),
             weld_alone: BTreeSet::new(),
             segment_sets: BTreeMap::new(),
             element_sets: Default::default(),

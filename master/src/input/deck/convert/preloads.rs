@@ -1,7 +1,7 @@
 //! Converts `*INITIAL_AXIAL_FORCE_BEAM`: preloads of beams, such as bolts.
 
 use super::DeckConverter;
-use super::sets::ElementSets;
+use super::sets::{BEAM_SETS, ElementSets};
 use crate::input::deck::record::CardLine;
 use crate::input::job::tree::Place;
 use std::collections::BTreeMap;
@@ -20,12 +20,14 @@ pub struct DeckPreload {
 impl DeckConverter {
     /// Reads the preloads of all parts. The beams and curves are known.
     pub(super) fn read_preloads(&mut self) {
-        let sets = self.sets_of("SET_BEAM", "SET_BEAM_ADD");
+        self.read_sets_of(BEAM_SETS);
+        let sets = std::mem::take(&mut self.element_sets[BEAM_SETS]);
         for record in self.take_records("INITIAL_AXIAL_FORCE_BEAM") {
             for line in record.lines("bsid") {
                 self.preload(line, &sets, &record.name());
             }
         }
+        self.element_sets[BEAM_SETS] = sets;
     }
 
     fn preload(&mut self, line: &CardLine, sets: &ElementSets, card: &str) {

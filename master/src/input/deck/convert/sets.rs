@@ -9,10 +9,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Sets of elements: keyword, keyword of sets of sets, and field of a cross section that names the
 /// set. The keyword with ranges ends in `_GENERATE`.
-pub const ELEMENT_SETS: [(&str, &str, &str); 3] = [
+pub const ELEMENT_SETS: [(&str, &str, &str); 4] = [
     ("SET_SOLID", "SET_SOLID_ADD", "hsid"),
     ("SET_SHELL_LIST", "SET_SHELL_ADD", "ssid"),
     ("SET_DISCRETE", "SET_DISCRETE_ADD", "dsid"),
+    ("SET_BEAM", "SET_BEAM_ADD", "bsid"),
 ];
 /// Index of sets of solids in [`ELEMENT_SETS`].
 pub const SOLID_SETS: usize = 0;
@@ -20,6 +21,8 @@ pub const SOLID_SETS: usize = 0;
 pub const SHELL_SETS: usize = 1;
 /// Index of sets of springs in [`ELEMENT_SETS`].
 const SPRING_SETS: usize = 2;
+/// Index of sets of beams in [`ELEMENT_SETS`].
+pub const BEAM_SETS: usize = 3;
 
 /// Keyword of sets of the nodes that all of some sets have.
 const INTERSECT: &str = "SET_NODE_INTERSECT";
@@ -42,13 +45,21 @@ struct SetMembers {
 }
 
 impl DeckConverter {
-    /// Reads the sets of elements, in the order of [`ELEMENT_SETS`].
+    /// Reads the sets of elements; those of beams are known.
     pub(super) fn read_element_sets(&mut self) {
-        self.element_sets = ELEMENT_SETS.map(|(list, adding, _)| self.sets_of(list, adding));
+        for kind in [SOLID_SETS, SHELL_SETS, SPRING_SETS] {
+            self.read_sets_of(kind);
+        }
+    }
+
+    /// Reads the sets of the kind of elements with an index in [`ELEMENT_SETS`].
+    pub(super) fn read_sets_of(&mut self, kind: usize) {
+        let (list, adding, _) = ELEMENT_SETS[kind];
+        self.element_sets[kind] = self.sets_of(list, adding);
     }
 
     /// Reads sets of one kind of elements: lists, ranges, and sets of sets.
-    pub(super) fn sets_of(&mut self, list: &str, adding: &str) -> ElementSets {
+    fn sets_of(&mut self, list: &str, adding: &str) -> ElementSets {
         let mut sets = ElementSets::new();
         for record in self.take_records(list) {
             let own = ids(&record, "id").into_iter().map(|(e, _)| [e, e]);
@@ -104,7 +115,8 @@ impl DeckConverter {
         let (of_kind, raised) = match kind {
             SOLID_SETS => (&self.rows.solids, self.rows.raised[0]),
             SHELL_SETS => (&self.rows.shells, 0),
-            _ => (&self.rows.springs, self.rows.raised[1]),
+            SPRING_SETS => (&self.rows.springs, self.rows.raised[1]),
+            _ => (&self.rows.beams, self.rows.raised[2]),
         };
         let own = |e: &&MeshElement| {
             let written = e.id.0.saturating_sub(raised) as i64;
@@ -297,19 +309,15 @@ impl DeckConverter {
         self.named(record);
     }
 
-    /// Adds the set under its title too.
+    /// Adds the set under its title too; with a number if another set has this title, as sets of a
+    /// file that is included several times do.
     fn named(&mut self, record: &CardRecord) {
         let title = record.word("heading").to_string();
-        if let (false, Some((nodes, place))) =
-            (title.is_empty(), self.node_sets.get(&record.integer("sid")))
-        {
-            match record.in_submodel {
-                // The file may be included several times.
-                true => drop(self.rows.add_new_set(&title, nodes.clone(), *place)),
-                false => {
-                    self.rows.add_set(title.clone(), nodes.clone(), *place);
-                    self.node_set_titles.insert(record.integer("sid"), title);
-                }
+        let sid = record.integer("sid");
+        if let (false, Some((nodes, place))) = (title.is_empty(), self.node_sets.get(&sid)) {
+            let name = self.rows.add_named_set(&title, nodes.clone(), *place);
+            if !record.in_submodel {
+                self.node_set_titles.insert(sid, name);
             }
         }
     }

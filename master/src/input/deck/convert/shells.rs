@@ -247,11 +247,14 @@ impl DeckConverter {
             given => (given, format!("shells, elform {given}")),
         };
         let Some(form) = sections::shell(elform) else {
-            self.unsupported_value(
-                card,
-                "elform",
-                "no formulation of shells is similar; use 2 or 16",
-            );
+            let why = match elform {
+                12..=15 => {
+                    "a plane or axisymmetric model; models here have three dimensions: mesh the \
+                     body with solids"
+                }
+                _ => "no formulation of shells is similar; use 2 or 16",
+            };
+            self.unsupported_value(card, "elform", why);
             return;
         };
         table.put("element", card.place("elform"), form.element);

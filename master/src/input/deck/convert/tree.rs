@@ -195,12 +195,20 @@ impl Tree {
     }
 
     /// Removes the entries of all lists whose node set is one of these, or only their set if they
-    /// have parts as well. Returns their places, and the names of rigid bodies among them.
-    pub fn remove_entries_of(&mut self, sets: &BTreeSet<String>) -> (Vec<Place>, BTreeSet<String>) {
-        let mut places = Vec::new();
+    /// have parts as well. Returns the names of their lists with their places, and the names of
+    /// rigid bodies among them.
+    pub fn remove_entries_of(
+        &mut self,
+        sets: &BTreeSet<String>,
+    ) -> (Vec<(String, Place)>, BTreeSet<String>) {
+        let mut removed = Vec::new();
         let before = self.bodies();
-        self.root.values_mut().for_each(|entry| remove_of(&mut entry.node, sets, &mut places));
-        (places, &before - &self.bodies())
+        for (name, entry) in &mut self.root {
+            let mut places = Vec::new();
+            remove_of(&mut entry.node, sets, &mut places);
+            removed.extend(places.into_iter().map(|place| (name.clone(), place)));
+        }
+        (removed, &before - &self.bodies())
     }
 
     /// Returns the names of all rigid bodies.

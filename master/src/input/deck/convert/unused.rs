@@ -16,6 +16,16 @@ struct UnusedValues {
     count: usize,
 }
 
+impl UnusedValues {
+    /// Returns true if the table ignores the fields of both for one reason.
+    fn ignored_with(&self, other: &Self) -> bool {
+        let fate =
+            |of: &Self| of.record.row.unused(of.field).map(|unused| (unused.fate, unused.why));
+        let own = fate(self).filter(|(fate, _)| *fate == FieldFate::Ignored);
+        own.is_some() && own == fate(other) && self.record.name() == other.record.name()
+    }
+}
+
 impl DeckConverter {
     /// Reports values that do not reach the job, once for each field of a keyword.
     pub(super) fn unused_fields(&mut self) {
@@ -45,7 +55,28 @@ impl DeckConverter {
                 }
             }
         }
-        found.into_iter().for_each(|values| self.unused_values(&values));
+        for values in found.chunk_by(|a, b| a.ignored_with(b)) {
+            match values {
+                [one] => self.unused_values(one),
+                all => self.ignored_values(all),
+            }
+        }
+    }
+
+    /// Reports ignored fields that the table has together, such as the components of an inertia.
+    fn ignored_values(&mut self, all: &[UnusedValues]) {
+        let Some(UnusedValues { record, field, first: (_, place), .. }) = all.first() else {
+            return;
+        };
+        let values: Vec<String> =
+            all.iter().map(|values| format!("`{}` = {}", values.field, values.first.0)).collect();
+        let more = match all.iter().map(|values| values.count).max() {
+            None | Some(1) => String::new(),
+            Some(most) => format!(", and in up to {} more", most - 1),
+        };
+        let message = format!("{}: {} are ignored{more}", record.name(), values.join(", "));
+        let why = record.row.unused(field).map_or("", |unused| unused.why);
+        self.trouble.warning(*place, message, why);
     }
 
     fn unused_values(&mut self, values: &UnusedValues) {
@@ -56,8 +87,8 @@ impl DeckConverter {
         };
         let Some(unused) = record.row.unused(field) else {
             let message = format!("{}: `{field}` = {value} is not used{more}", record.name());
-            let help = "other fields of the card make it void, or it has no counterpart here";
-            return self.trouble.warning(*place, message, help);
+            let keyword = record.row.keyword.name;
+            return self.trouble.warning(*place, message, void_by(keyword, field));
         };
         match unused.fate {
             FieldFate::NoEffect => self.map(
@@ -88,6 +119,55 @@ impl DeckConverter {
             _ => None,
         };
         self.trouble.places().chain(unsupported).filter_map(position).collect()
+    }
+}
+
+const NO_EXPONENT: &str = "it needs p, the exponent of the strain rate";
+const NO_RATE: &str = "it needs c, the strain rate that the exponent p belongs to";
+
+/// Fields that other fields of their card make void: the beginning of keywords, fields, and why.
+const VOID: &[(&str, &str, &str)] = &[
+    (
+        "MAT_",
+        "sigy etan",
+        "the curve of eps and es, or of lcss, has their place: leave them blank, or leave the \
+         curve out",
+    ),
+    ("MAT_", "eps es", "lcss has their place: leave them blank, or leave lcss out"),
+    ("MAT_PIECEWISE", "c", NO_EXPONENT),
+    ("MAT_PLASTICITY_WITH", "c", NO_EXPONENT),
+    ("MAT_MODIFIED_PIECEWISE", "c", NO_EXPONENT),
+    ("MAT_PIECEWISE", "p", NO_RATE),
+    ("MAT_PLASTICITY_WITH", "p", NO_RATE),
+    ("MAT_MODIFIED_PIECEWISE", "p", NO_RATE),
+    ("MAT_", "src", "it needs srp, the exponent of the strain rate"),
+    ("MAT_", "srp", "it needs src, the strain rate that it scales"),
+    ("MAT_", "vp", "the material has no rates, so it does not matter how they act"),
+    ("CONTACT_TIED", "fs fd dc vc", "tied nodes do not slide, so they have no friction"),
+    ("CONTACT_SPOTWELD", "fs fd dc vc", "tied nodes do not slide, so they have no friction"),
+    ("CONTACT_FORCE", "fs fd dc vc", "the card measures forces and has no contact of its own"),
+    ("CONTACT_", "fd dc", "fs is 0 or refers to other friction, so nothing scales with the speed"),
+    (
+        "BOUNDARY_PRESCRIBED",
+        "lcid sf dof vad",
+        "the motion ends before the start of the run or begins after its end",
+    ),
+    ("/IMPVEL", "fct dir", "the motion begins after the end of the run"),
+    ("/IMPDISP", "fct dir", "the motion begins after the end of the run"),
+    ("/IMPACC", "fct dir", "the motion begins after the end of the run"),
+];
+
+/// Returns why a field that the conversion reads elsewhere has not been read.
+fn void_by(keyword: &str, field: &str) -> &'static str {
+    let is_meant = |(begin, fields, _): &&(&str, &str, &str)| {
+        keyword.starts_with(begin) && fields.split_whitespace().any(|name| name == field)
+    };
+    match VOID.iter().find(is_meant) {
+        Some((_, _, why)) => why,
+        None => {
+            "another field of the card makes it void; cases/DECKS.md and cases/RADIOSS.md say \
+             what it is for"
+        }
     }
 }
 

@@ -219,6 +219,7 @@ impl DeckConverter {
                 DeckPart { rigid: None, material: Some(material), inertia: None, place },
             );
             self.round_parts.insert(part);
+            self.welded_parts.insert(part);
             self.map(
                 format!("part {pid}"),
                 format!("{} spot welds, sn {normal}, ss {shear}", links.len()),

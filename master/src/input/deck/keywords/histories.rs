@@ -54,8 +54,8 @@ pub const KEYWORDS: &[Keyword] = &[
     Keyword::new(
         "DATABASE_CROSS_SECTION_SET",
         &[CROSS_SECTION, ("nsid:i! hsid:i bsid:i ssid:i tsid:i dsid:i id:i itype:i", Once)],
-        "`[[output.section]]` at the nodes of nsid: force and moment of the elements of hsid, ssid \
-         and dsid on these nodes, in global axes",
+        "`[[output.section]]` at the nodes of nsid: force and moment of the elements of hsid, \
+         bsid, ssid and dsid on these nodes, in global axes",
     )
     .unused(&[no_effect("itype", "forces are in global axes")])
     .options(&["ID"])
@@ -73,6 +73,16 @@ pub const KEYWORDS: &[Keyword] = &[
     .unused(&[no_effect("itype", "forces are in global axes")])
     .options(&["ID"])
     .repeats(),
+    Keyword::new(
+        "DATABASE_SWFORC",
+        &[("dt:r binary:i lcur:i ioopt:i=1", Maybe)],
+        "`[[output.section]]` for the force of each spot weld that is a beam or a solid, 200 at \
+         most, on its last node or its face of n5 to n8, in global axes",
+    )
+    .unused(&[
+        no_effect("binary ioopt", "histories are text files"),
+        ignored("lcur", "the interval of histories is constant"),
+    ]),
     Keyword::new("DATABASE_HISTORY_NODE", LIST, "`[[output.node]]`"),
     Keyword::new(
         "DATABASE_HISTORY_NODE_ID",

@@ -15,11 +15,18 @@ const NO_COMPRESSION: f64 = 0.01;
 /// YarnAxes of a material: reference vector and angle [degrees], with the place of the vector.
 type YarnAxes = ([f64; 3], f64, Place);
 
-/// Fabrics of a deck.
+/// Fabrics and other materials of a deck whose axes are on properties.
 #[derive(Debug, Default)]
 pub struct Fabrics {
     /// YarnAxes by the id of the material; `None` before a part has them.
     axes: BTreeMap<i64, Option<YarnAxes>>,
+}
+
+impl Fabrics {
+    /// Notes a material whose axes are those of its parts.
+    pub(super) fn expect(&mut self, material: i64) {
+        self.axes.insert(material, None);
+    }
 }
 
 impl StarterConverter {
@@ -47,11 +54,11 @@ impl StarterConverter {
                 self.deck.unsupported_value(record, "re", why);
             }
         }
-        self.fabrics.axes.insert(record.integer("id"), None);
+        self.fabrics.expect(record.integer("id"));
         (table, first)
     }
 
-    /// Notes the axes that a part gives to its fabric.
+    /// Notes the axes that a part gives to its material.
     pub(super) fn note_axes(&mut self, record: &CardRecord, of: &StarterProperty) {
         let (part, material) = (record.integer("id"), record.integer("mat"));
         let is_orthotropic = of.record.row.keyword.name == "/PROP/TYPE9";
@@ -64,8 +71,9 @@ impl StarterConverter {
             return;
         };
         if !is_orthotropic {
-            let message = format!("part {part}: a fabric without the axes of its yarns");
-            let what = format!("{} of a fabric", of.record.name());
+            let message =
+                format!("part {part}: its material {material} has axes, which its property lacks");
+            let what = format!("{} of a material with axes", of.record.name());
             return self.deck.unsupported(record.place("prop"), message, what);
         }
         let place = of.record.place("vx");
@@ -78,15 +86,15 @@ impl StarterConverter {
                 self.deck.trouble.error(place, message, help);
             }
             Some((other, angle, _)) if (other, angle) != (axes.0, axes.1) => {
-                let message = format!("part {part}: its fabric {material} has other axes, too");
-                let what = "a fabric with several axes".to_string();
+                let message = format!("part {part}: its material {material} has other axes, too");
+                let what = "a material with several axes".to_string();
                 self.deck.unsupported(place, message, what);
             }
             _ => drop(self.fabrics.axes.insert(material, Some(axes))),
         }
     }
 
-    /// Adds the axes of its parts to a fabric.
+    /// Adds the axes of its parts to a material.
     pub(super) fn put_axes(&mut self, material: i64, table: &mut JobTable) {
         if let Some(&Some((vector, angle, place))) = self.fabrics.axes.get(&material) {
             table.put("direction", place, vector);

@@ -25,13 +25,14 @@ const LIMIT_WITHOUT_RATE: i64 = 2;
 const STRAIGHT: f64 = 1.0;
 
 /// Names of the keywords of materials.
-const KEYWORDS: [&str; 8] = [
+const KEYWORDS: [&str; 9] = [
     "/MAT/LAW0",
     "/MAT/LAW1",
     "/MAT/LAW2",
     "/MAT/LAW19",
     "/MAT/LAW36",
     "/MAT/LAW42",
+    "/MAT/LAW43",
     "/MAT/LAW44",
     "/MAT/PLAS_PREDEF",
 ];
@@ -68,6 +69,7 @@ impl StarterConverter {
             match keyword {
                 "/MAT/LAW2" => self.johnson_cook(&record, failures.get(&id), &mut table),
                 "/MAT/LAW36" => self.yield_table(&record, &mut table),
+                "/MAT/LAW43" => self.hill(&record, &mut table),
                 "/MAT/LAW44" => self.cowper_symonds(&record, &mut table),
                 "/MAT/LAW42" => self.volume_energy(&record),
                 "/MAT/PLAS_PREDEF" | "/MAT/LAW19" => {}
@@ -183,10 +185,14 @@ impl StarterConverter {
             }
             None => {}
         }
-        let message = "/FAIL/TENSSTRAIN removes a shell with its first failed point, here it goes \
-                       with its last one; faded stress does not rise again when the strain falls";
-        let help = "expect shells in bending to fail later";
-        self.deck.trouble.warning(card.place(field), message, help);
+        // A shell goes with its first failed point.
+        table.put("erosion_failed_points", card.place(field), 1.0);
+        if table.has("erosion_major_strain_start") {
+            let message =
+                "/FAIL/TENSSTRAIN: faded stress does not rise again when the strain falls";
+            let help = "expect less stress where the load reverses before failure";
+            self.deck.trouble.warning(card.place(field), message, help);
+        }
     }
 
     /// Converts the law of Johnson and Cook; without rate, temperature and exponent it is linear

@@ -4,7 +4,6 @@ use super::StarterConverter;
 use crate::input::deck::Unsupported;
 use crate::input::deck::convert::mesh::start;
 use crate::input::deck::keywords::KeywordRow;
-use crate::input::deck::parameters::DeckParameters;
 use crate::input::deck::record::Cards;
 use crate::input::deck::table::{Card, FieldFate};
 use crate::input::deck::text::{KeywordBlock, Texts};
@@ -53,13 +52,12 @@ struct StarterElement {
 impl StarterConverter {
     /// Reads a block of nodes or elements.
     pub(super) fn mesh_block(&mut self, texts: &Texts, block: &KeywordBlock, row: &KeywordRow) {
-        let parameters = DeckParameters::default();
         let (header, lines) = match block.lines.split_first() {
             Some((&header, lines)) => (header, lines),
             None => return,
         };
         let [(ids, _), (card, _), of_nodes @ ..] = &row.cards[..] else { return };
-        let mut cards = Cards::of(texts, &parameters, &mut self.deck.trouble);
+        let mut cards = Cards::of(texts, &self.parameters, &mut self.deck.trouble);
         let mut numbers = start(&mut cards, ids, block, header);
         let name = row.keyword.name;
         if name == "/NODE" {
@@ -113,8 +111,7 @@ impl StarterConverter {
         ((line, card), second): (ElementLine<'_>, Option<ElementLine<'_>>),
         (part, count): (u32, usize),
     ) -> Option<StarterElement> {
-        let parameters = DeckParameters::default();
-        let mut cards = Cards::of(texts, &parameters, &mut self.deck.trouble);
+        let mut cards = Cards::of(texts, &self.parameters, &mut self.deck.trouble);
         let mut numbers = start(&mut cards, card, block, line);
         let id = ElemId(numbers.id(0));
         let mut nodes = Vec::with_capacity(count);

@@ -9,12 +9,14 @@ mod control;
 mod fabric;
 mod functions;
 mod groups;
+mod hill;
 mod histories;
 mod inner_bodies;
 mod loads;
 mod materials;
 mod mesh;
 mod motion;
+mod parameters;
 mod parts;
 mod predefined;
 mod properties;
@@ -103,6 +105,8 @@ pub struct StarterConverter {
     fabrics: fabric::Fabrics,
     /// Units of the deck, as the job has them; `None` without units in `/BEGIN`.
     unit_names: Option<String>,
+    /// Names of values.
+    parameters: DeckParameters,
     /// Number of curves that were made from others.
     made_curves: usize,
     /// Names of the curves of the job.
@@ -178,6 +182,7 @@ impl StarterConverter {
             units: Vec::new(),
             fabrics: fabric::Fabrics::default(),
             unit_names: None,
+            parameters: DeckParameters::of("/PARAMETER/GLOBAL/REAL or INTEGER"),
             made_curves: 0,
             curve_names: BTreeSet::new(),
         }
@@ -186,6 +191,7 @@ impl StarterConverter {
     /// Reads all blocks by the table of keywords.
     fn collect(&mut self, texts: &Texts, leave_out: &[String]) {
         let is_left_out = |name: &str| leave_out.iter().any(|l| l.eq_ignore_ascii_case(name));
+        self.read_parameters(texts, &is_left_out);
         for block in &texts.blocks {
             match keywords::find(&block.name) {
                 _ if is_left_out(&block.name) => self.note(texts, block, BY_CHOICE),
@@ -216,8 +222,10 @@ impl StarterConverter {
         if mesh::is_mesh(name) {
             return self.mesh_block(texts, block, row);
         }
-        let parameters = DeckParameters::default();
-        let mut cards = Cards::of(texts, &parameters, &mut self.deck.trouble);
+        if name.starts_with(parameters::PARAMETER) {
+            return;
+        }
+        let mut cards = Cards::of(texts, &self.parameters, &mut self.deck.trouble);
         for record in cards.records(row, &[], block) {
             self.note_unit(record.integer("unit"), record.place("unit"));
             self.deck.read.push(record.clone());
@@ -227,7 +235,7 @@ impl StarterConverter {
 
     /// Notes a block that is not converted, and why.
     fn note(&mut self, texts: &Texts, block: &KeywordBlock, why: &str) {
-        self.deck.left_out.note(texts, block, &DeckParameters::default(), why);
+        self.deck.left_out.note(texts, block, &self.parameters, why);
     }
 
     /// Notes that an entity refers to units.

@@ -4,7 +4,7 @@ use super::{TITLE, not_yet};
 use crate::input::deck::record::CardRecord;
 use crate::input::deck::table::{
     Keyword,
-    Times::{self, AtMost, Maybe, Once},
+    Times::{self, AtMost, Maybe, Once, Rest},
     UnusedFields, ignored, no_effect, refused,
 };
 
@@ -116,6 +116,28 @@ pub const KEYWORDS: &[Keyword] = &[
         refused("fcte einf ce", "a modulus that depends on plastic strain"),
     ]),
     Keyword::new(
+        "/MAT/LAW43",
+        &[
+            TITLE,
+            DENSITY,
+            ("e:r20! nu:r20", Once),
+            ("fcte:i blank:a10 einf:r20 ce:r20", Once),
+            ("r00:r20=1 r45:r20=1 r90:r20=1 chard:r20 iyield:i", Once),
+            ("epsmax:r20=1e30 epst1:r20=1e30 epsm:r20=1e30", Once),
+            ("func:i blank:a10 fscale:r20=1 rate:r20", Rest),
+        ],
+        "law `barlat` of shells with the exponent 2 (Hill), the ratios r00, r45 and r90, one \
+         function as `hardening`, and the axes of `/PROP/TYPE9`. With iyield 0 the function is of \
+         a mean over the directions, and is converted to tension along the first axis",
+    )
+    .aliases(&["/MAT/HILL_TAB"])
+    .unused(&[
+        REFERENCE,
+        ignored("chard", "hardening is isotropic, which differs when the load reverses"),
+        ignored("epsmax epst1 epsm", "elements of this law do not fail"),
+        refused("fcte einf ce", "a modulus that depends on plastic strain"),
+    ]),
+    Keyword::new(
         "/MAT/LAW44",
         &[
             TITLE,
@@ -192,7 +214,7 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`erosion_major_strain_start` and `erosion_major_strain` of the material with this id: the \
          stress falls from the largest principal strain epst1 to epst2. Without them epsf1 alone \
-         is `erosion_major_strain`",
+         is `erosion_major_strain`. A shell goes with its first failed point",
     )
     .unused(&[
         refused("fct", "limits of the strain that depend on its rate"),

@@ -26,6 +26,22 @@ pub const MODEL: &[Keyword] = &[
         &[TITLE, ("inmass:a20 inlength:a20 intime:a20", Once)],
         "units of single entities: they have to be those of `/BEGIN`, others are an error",
     ),
+    Keyword::new(
+        "/PARAMETER/GLOBAL/REAL",
+        &[TITLE, ("name:a10 value:r20", Once)],
+        "name of a value, which fields use as &name, above the card as well as below",
+    ),
+    Keyword::new("/PARAMETER/GLOBAL/INTEGER", &[TITLE, ("name:a10 value:i20", Once)], "as above"),
+    Keyword::new(
+        "/PARAMETER/GLOBAL/REAL_EXPR",
+        &[TITLE, ("name:a10 expression:a90", Once)],
+        "the same by a formula of numbers and of the names above it",
+    ),
+    Keyword::new(
+        "/PARAMETER/GLOBAL/INT_EXPR",
+        &[TITLE, ("name:a10 expression:a90", Once)],
+        "as above",
+    ),
     harmless("/ANALY", "the analysis is in three dimensions and parallel"),
     harmless("/IOFLAG", "it controls the listing"),
     harmless("/AMS", "it acts only with /DT/AMS in the engine file"),
