@@ -195,10 +195,9 @@ fn threads_change_no_bit() {
         x.push(x[i] + if (28..31).contains(&i) { 1.25 } else { 5.0 });
     }
     let mut scene = Scene::default();
-    let left = scene.lattice(1, [10, 40], |i, j| [x[i], 5.0 * j as f64, 0.0]).all();
-    let right = scene.lattice(2, [30, 40], |i, j| [x[10 + i], 5.0 * j as f64, 0.0]).all();
-    scene.set_named("left", left);
-    scene.set_named("right", right);
+    scene.lattice(1, [10, 40], |i, j| [x[i], 5.0 * j as f64, 0.0]);
+    let right = scene.lattice(2, [30, 40], |i, j| [x[10 + i], 5.0 * j as f64, 0.0]);
+    scene.set_named("right", right.all());
     let text = format!(
         "end_time = 1.0\n{}\
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"j2\"\n\
