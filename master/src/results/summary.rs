@@ -162,8 +162,8 @@ pub struct ContactSummary {
     pub capped_per_cycle: f64,
 }
 
-/// CPU time of the workers without waiting, each summed over its threads [s]. Redecompositions are in neither sum over
-/// cycles.
+/// CPU time of the workers without waiting, each summed over its threads [s]. Redecompositions are
+/// in neither sum over cycles.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Cpu {
     /// Sum over cycles and workers.

@@ -186,8 +186,8 @@ fn energy_stays_with_a_layer_and_resonates_without() {
     assert!(without > 1e3, "without: {without}");
 }
 
-/// A plate with short shells in it, one half of it rigid, the other under pressure: its slow and its
-/// fast shells are several batches, which threads share.
+/// A plate with short shells in it, one half of it rigid, the other under pressure: its slow and
+/// its fast shells are several batches, which threads share.
 #[test]
 fn threads_change_no_bit() {
     let mut x = vec![0.0];

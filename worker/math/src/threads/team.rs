@@ -26,7 +26,7 @@ struct OpenLoop {
     pieces: usize,
 }
 
-/// What a thread and its helpers have in common.
+/// Data of a thread and its helpers.
 #[derive(Default)]
 struct Shared {
     /// Number of the loop that is open; 0 if none is.
@@ -119,7 +119,7 @@ impl Team {
         shared.next.iter().enumerate().for_each(|(i, next)| {
             next.store(shared.share_of(i, pieces).start, SeqCst);
         });
-        // Of a loop that ended by a panic of this thread.
+        // It belongs to a loop that ended by a panic of this thread.
         shared.panic.lock().expect("no helper panics with the lock").take();
         self.loops.update(|number| number + 1);
         let closing = Closing(self);
