@@ -30,7 +30,7 @@ pub struct Method {
 
 /// All search methods.
 pub const SEARCHES: &[Method] = &[
-    Method { name: "cells", find: |boxes, points| Box::new(Cells::new(boxes, points)) },
+    Method { name: "cells", find: |boxes, points| Box::new(LinkedCells::new(boxes, points)) },
     Method { name: "boxes", find: |_, points| Box::new(SortedLists::new(points)) },
 ];
 
@@ -61,12 +61,12 @@ pub fn accepted(
 /// Calls `found` with the index of a box and the index of a point for each point in a closed box,
 /// boxes ascending. Uses linked cells.
 pub fn linked_cells(boxes: &[Aabb], points: &[[f64; 3]], found: &mut dyn FnMut(u32, u32)) {
-    Cells::new(boxes, points).find(boxes, 0, found);
+    LinkedCells::new(boxes, points).find(boxes, 0, found);
 }
 
 /// Points in the cells of a grid whose cell size is half the mean size of a box, or larger. Each
 /// box examines the cells that it covers.
-struct Cells {
+struct LinkedCells {
     bounds: Aabb,
     grid: Grid,
     /// Start of each cell in `members`, and their end.
@@ -77,7 +77,7 @@ struct Cells {
     places: Vec<Lane>,
 }
 
-impl Cells {
+impl LinkedCells {
     fn new(boxes: &[Aabb], points: &[[f64; 3]]) -> Self {
         let bounds = Aabb::around(points.iter().copied());
         if boxes.is_empty() || bounds.is_empty() {
@@ -93,7 +93,7 @@ impl Cells {
     }
 }
 
-impl PointIndex for Cells {
+impl PointIndex for LinkedCells {
     fn find(&self, boxes: &[Aabb], first: u32, found: &mut dyn FnMut(u32, u32)) {
         let Self { bounds, grid, start, members, places } = self;
         let mut hits = vec![0; members.len()];

@@ -28,12 +28,12 @@ struct OpenLoop {
 
 /// Data of a thread and its helpers.
 #[derive(Default)]
-struct Shared {
+struct LoopState {
     /// Number of the loop that is open; 0 if none is.
     open: AtomicU64,
     /// The open loop.
     current: Mutex<Option<OpenLoop>>,
-    /// For each thread the number of the next piece of its share, see [`Shared::take_pieces`].
+    /// For each thread the number of the next piece of its share, see [`LoopState::take_pieces`].
     next: Vec<AtomicUsize>,
     /// Number of helpers that may be in a loop.
     active: AtomicUsize,
@@ -49,7 +49,7 @@ struct Shared {
 
 /// Helpers of a thread.
 pub struct Team {
-    shared: Arc<Shared>,
+    shared: Arc<LoopState>,
     helpers: Vec<JoinHandle<()>>,
     /// Number of loops so far.
     loops: Cell<u64>,
@@ -66,7 +66,7 @@ impl Team {
     /// The system starts no more threads.
     pub fn start(helpers: usize) -> std::io::Result<Self> {
         let next = (0..=helpers).map(|_| AtomicUsize::new(0)).collect();
-        let shared = Arc::new(Shared { next, ..Shared::default() });
+        let shared = Arc::new(LoopState { next, ..LoopState::default() });
         let (loops, in_loop, waited) = (Cell::new(0), Cell::new(false), Cell::default());
         let mut team = Self { shared, helpers: Vec::new(), loops, in_loop, waited };
         let own = thread::current().name().unwrap_or("worker").to_owned();
@@ -146,7 +146,7 @@ impl Drop for Team {
     }
 }
 
-impl Shared {
+impl LoopState {
     /// Returns the share of a thread of the pieces of a loop. Neighbouring pieces have neighbouring
     /// data: what a thread wrote in the last loop is in the cache of its core.
     fn share_of(&self, thread: usize, pieces: usize) -> Range<usize> {
