@@ -83,18 +83,19 @@ fn a_full_disk_costs_the_checkpoint_and_keeps_the_one_before() {
 
 #[test]
 fn a_disk_that_becomes_read_only_keeps_the_checkpoint_before() {
-    let (_, digest) = whole();
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let Some(disk) = tmpfs(&out.join("checkpoints"), 8 * BYTES) else { return };
-    let mut running = start(with(&out, &["--set=time.max_cycles=500"]));
+    let sets = ["--set=time.max_cycles=4000", "--set=checkpoint.at=[0.2]"];
+    let mut running = start(with(&out, &sets));
     running.wait_for("the first checkpoint is there", |_| {
         (checkpoints(&out).len() == 1).then_some(())
     });
     disk.make_read_only();
+    running.signal(Signal::USR1);
     let ended = running.end().with_code(0);
     disk.make_writable();
-    assert_first_is_kept(&out, &ended, "Read-only file system", &digest);
+    assert_first_is_kept(&out, &ended, "Read-only file system", &ended.digest());
 }
 
 /// The next checkpoint makes the folder again.

@@ -203,7 +203,7 @@ fn threads_change_no_bit() {
          [output]\nfield_interval = -1.0\n[[material]]\nname = \"steel\"\nlaw = \"j2\"\n\
          density = {RHO:?}\nyoungs_modulus = {E:?}\n\
          poisson = 0.3\nhardening = [[0.0, 0.3], [1.0, 0.9]]\n[[part]]\nid = 1\n\
-         material = \"steel\"\nthickness = 1.0\nrigid = true\n\
+         material = \"steel\"\nthickness = 1.0\n[[rigid]]\nname = \"left\"\nparts = [1]\n\
          [[part]]\nid = 2\nmaterial = \"steel\"\nthickness = 1.0\n[[pressure]]\nparts = [2]\n\
          pressure = -0.002\n\
          [[initial_velocity]]\nnodes = \"right\"\nvelocity = [4.0, 1.0, -30.0]\n\
