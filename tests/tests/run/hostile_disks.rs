@@ -95,7 +95,7 @@ fn a_disk_that_becomes_read_only_keeps_the_checkpoint_before() {
     running.signal(Signal::USR1);
     let ended = running.end().with_code(0);
     disk.make_writable();
-    assert_first_is_kept(&out, &ended, "Read-only file system", &ended.digest());
+    assert_first_is_kept(&out, &ended, "Read-only file system", &digest_of(&out));
 }
 
 /// The next checkpoint makes the folder again.
