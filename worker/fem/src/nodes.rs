@@ -274,14 +274,12 @@ impl Nodes {
         let pieces = ranges.into_iter().zip(next.into_iter().zip(turning)).collect();
         threads::map(pieces, |(range, (next, turning))| {
             for (i, next) in range.clone().zip(next) {
-                for c in 0..4 {
-                    next[c] = self.v[i][c] + mid * self.force[i][c] * self.inv_mass[i][c];
-                }
+                let (v, force, inverse) = (&self.v[i], &self.force[i], &self.inv_mass[i]);
+                *next = std::array::from_fn(|c| v[c] + mid * force[c] * inverse[c]);
             }
             for (i, next) in range.zip(turning) {
-                for c in 0..4 {
-                    next[c] = self.w[i][c] + mid * self.moment[i][c] * self.inv_inertia[i][c];
-                }
+                let (w, moment, inverse) = (&self.w[i], &self.moment[i], &self.inv_inertia[i]);
+                *next = std::array::from_fn(|c| w[c] + mid * moment[c] * inverse[c]);
             }
         });
     }

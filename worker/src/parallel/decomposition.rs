@@ -103,7 +103,7 @@ impl BoxDecomposition {
                 "rcb" => ContactDecomposition::Rcb,
                 _ => ContactDecomposition::Boxes,
             },
-            threads: values.whole(THREADS.key).max(1) as usize,
+            threads: values.whole(THREADS.key).max(1),
         }
     }
 }

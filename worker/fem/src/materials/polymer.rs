@@ -284,6 +284,7 @@ impl Polymer {
         let states = points.state.chunks_exact_mut(3 + COLUMNS);
         for ((state, eps), eps_z) in states.zip(points.strain).zip(points.thickness_strain) {
             let mut after = [[0.0; LANES32]; 3 + COLUMNS + 1];
+            #[expect(clippy::needless_range_loop, reason = "a lane is a column of `after`")]
             for lane in 0..count {
                 let mut one: [f64; 3 + COLUMNS] = std::array::from_fn(|c| state[c].lane(lane));
                 let strain = [0, 1, 2].map(|c| eps[c].lane(lane));
