@@ -18,6 +18,7 @@ use crate::fem::particles::Particles;
 use crate::histories::{Histories, HistoryState};
 use crate::loads::Loads;
 use crate::math::rigid_motion::MotionTracker;
+use crate::math::row::V3;
 use crate::math::threads;
 use crate::nodes::Nodes;
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes};
@@ -45,6 +46,7 @@ use crumple_proto::report::{
 use crumple_proto::trace::Event;
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::post;
+use std::ops::Range;
 
 /// State that the engine keeps while its local mesh is built again.
 struct KeptState {
@@ -397,13 +399,18 @@ impl Engine {
     }
 
     fn mean_centre(&self) -> [f64; 3] {
-        let n = self.blocks.elements.len().max(1) as f64;
-        let mut sum = [0.0; 3];
-        for e in &self.blocks.elements {
-            let c = self.centre_of(e.nodes, e.record.shape);
-            (0..3).for_each(|k| sum[k] += c[k]);
-        }
-        sum.map(|s| s / n)
+        /// Number of elements that a thread sums at a time.
+        const PIECE: usize = 1024;
+        let (elements, x) = (&self.blocks.elements, &self.nodes.x);
+        let of_piece = |piece: Range<usize>| {
+            let mut sum = V3::zeros();
+            for e in &elements[piece] {
+                sum += V3::from(centre(x, e.nodes, e.record.shape));
+            }
+            sum
+        };
+        let sums = threads::map(threads::ranges_of_size(elements.len(), PIECE), of_piece);
+        (sums.into_iter().sum::<V3>() / elements.len().max(1) as f64).into()
     }
 
     /// Returns the centre of an own element [length].
@@ -534,7 +541,12 @@ impl Engine {
     /// # Errors
     /// The master is gone.
     pub fn send_row(&mut self, comm: &mut dyn Transport, ended: bool) -> Result<(), RankLost> {
-        let (mut momentum, mut angular_momentum) = momentum_sums(&self.nodes, ended);
+        let (nodes, blocks, history) = (&self.nodes, &self.blocks, self.history_state());
+        let ((smallest, flattest), (sums, shares)) = threads::both(
+            || (blocks.smallest_step(nodes), blocks.flattest(nodes)),
+            || (momentum_sums(nodes, ended), self.histories.shares(&history, ended)),
+        );
+        let (mut momentum, mut angular_momentum) = sums;
         let balance = self.balance.clone().filter(|_| ended);
         let energies = balance.unwrap_or_else(|| self.energies(ended));
         if self.nodes.me == 0 {
@@ -543,8 +555,6 @@ impl Engine {
             (0..3).for_each(|c| angular_momentum[c].add(angular[c]));
             (0..3).for_each(|c| momentum[c].add(carried[c]));
         }
-        let smallest = self.blocks.smallest_step(&self.nodes);
-        let flattest = self.blocks.flattest(&self.nodes);
         let place = |(_, id): (f64, ElemId)| self.blocks.place(id, &self.nodes);
         let (penetration, deepest, sliding) =
             self.contact.as_mut().map_or_else(Default::default, |c| {
@@ -576,7 +586,7 @@ impl Engine {
             controlling_dt: smallest.map_or(f64::INFINITY, |s| s.0),
             controlling: smallest.map_or_else(ModelPlace::default, place),
             contact_dt: self.agreement.contact_dt,
-            shares: self.histories.shares(&self.history_state(), ended),
+            shares,
         };
         self.clock.rows += 1;
         post(comm, 0, Tag::Report, &ToMaster::History(Box::new(row)))

@@ -20,6 +20,10 @@ use crumple_proto::report::{PHASES, Phase};
 use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;
 
+/// Share of the displacement that the ghosts allow from which the motion of the nodes is fitted in
+/// each step. Below it, an upper bound suffices in most steps.
+const EXACT_FROM: f64 = 0.5;
+
 /// The stages of a step from t to t + dt, in their order.
 const STAGES: [StepStage; 18] = [
     with_particles(Phase::Elements, sum_over_particles),
@@ -283,9 +287,11 @@ fn fit_motion(
     _: &mut dyn Transport,
     cycle: &mut Cycle,
 ) -> Result<(), RankLost> {
-    let Engine { nodes, halo, motion, .. } = engine;
+    let Engine { nodes, halo, motion, agreement, .. } = engine;
     if !halo.links.is_empty() {
-        cycle.drift = motion.update(&nodes.x[..nodes.local_count]);
+        let near_limit = agreement.displacement.share > EXACT_FROM;
+        cycle.drift =
+            motion.follow(&nodes.x[..nodes.local_count], &nodes.displacements, near_limit);
     }
     Ok(())
 }

@@ -8,7 +8,6 @@ mod collective;
 mod mailbox;
 #[cfg(feature = "mpi")]
 pub mod mpi;
-#[cfg(any(feature = "mpi", test))] // threads can block
 mod rest;
 pub mod threads;
 mod wait;

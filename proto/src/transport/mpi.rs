@@ -61,6 +61,7 @@ impl Mpi {
             default(info);
             SimpleCommunicator::world().abort(4);
         }));
+        Rest::shorten_sleeps();
         Some(Self {
             world,
             _universe: universe,

@@ -1,9 +1,8 @@
-//! How a rank that cannot block leaves its core to others while it waits for a message.
+//! How a rank leaves its core to others while it waits for a message.
 
 use std::time::{Duration, Instant};
 
-/// How a rank that cannot block waits for a message after it has polled: it yields its core, or
-/// sleeps.
+/// How a rank waits for a message after it has polled: it yields its core, or sleeps.
 ///
 /// To yield costs less than a microsecond if only ranks of the run want the core. But a process
 /// outside the run keeps the core for a slice of some milliseconds, even one of low priority. A
@@ -29,28 +28,52 @@ const FREE: u32 = 2000;
 const YIELDS: Duration = Duration::from_millis(2);
 /// Shortest and longest sleep. A sleep is also this part of the time of waiting: a message is
 /// received late by at most this part.
+#[cfg(feature = "mpi")]
 const SLEEP: [Duration; 2] = [Duration::from_micros(20), Duration::from_micros(500)];
+#[cfg(feature = "mpi")]
 const LATE: u32 = 4;
 
 impl Rest {
-    /// Creates it for the calling thread, and makes the sleeps of this thread as short as they are
-    /// asked for; the default of Linux adds up to 50 us.
+    /// Creates it for a rank that has not waited yet.
     pub fn new() -> Self {
-        // Without it, sleeps are longer.
-        let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
         Self { sleeps: 0, next: SLEEPS[0], short: 0 }
     }
 
+    /// Makes the sleeps of the calling thread as short as they are asked for; the default of Linux
+    /// adds up to 50 us.
+    #[cfg(feature = "mpi")]
+    pub fn shorten_sleeps() {
+        // Without it, sleeps are longer.
+        let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
+    }
+
     /// Leaves the core to others for a short time, in a wait that has lasted for `waited`.
+    #[cfg(feature = "mpi")]
     pub fn pause(&mut self, waited: Duration) {
-        if self.sleeps > 0 || waited > YIELDS {
-            self.sleeps = self.sleeps.saturating_sub(1);
+        if self.yields(waited) {
+            self.yield_core();
+        } else {
+            self.record_sleep();
             std::thread::sleep((waited / LATE).clamp(SLEEP[0], SLEEP[1]));
-            return;
         }
+    }
+
+    /// Returns true if the rank yields now, in a wait that has lasted for `waited`; false if it
+    /// sleeps.
+    pub fn yields(&self, waited: Duration) -> bool {
+        self.sleeps == 0 && waited <= YIELDS
+    }
+
+    /// Yields the core.
+    pub fn yield_core(&mut self) {
         let start = Instant::now();
         std::thread::yield_now();
         self.record_yield(start.elapsed());
+    }
+
+    /// Records a sleep.
+    pub fn record_sleep(&mut self) {
+        self.sleeps = self.sleeps.saturating_sub(1);
     }
 
     fn record_yield(&mut self, took: Duration) {
@@ -79,8 +102,9 @@ mod tests {
             rest.record_yield(2 * SLICE);
             assert_eq!(rest.sleeps, (SLEEPS[0] << number).min(SLEEPS[1]));
         }
-        rest.pause(Duration::ZERO);
-        assert_eq!(rest.sleeps, SLEEPS[1] - 1, "it sleeps");
+        assert!(!rest.yields(Duration::ZERO), "it sleeps");
+        rest.record_sleep();
+        assert_eq!(rest.sleeps, SLEEPS[1] - 1);
         (0..FREE).for_each(|_| rest.record_yield(Duration::ZERO));
         rest.record_yield(2 * SLICE);
         assert_eq!(rest.sleeps, SLEEPS[0], "the core was free meanwhile");

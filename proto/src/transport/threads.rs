@@ -1,5 +1,6 @@
 //! Ranks as threads of one process, with a channel for every ordered pair of ranks.
 
+use super::rest::Rest;
 use super::wait::{Patience, WaitClock};
 use super::{RankLost, Tag, Traffic, Transport};
 use std::collections::VecDeque;
@@ -17,8 +18,10 @@ pub struct Threads {
     pool: Vec<Vec<u64>>,
     wait_cpu: Duration,
     traffic: Traffic,
-    /// Time for which a waiting rank polls an empty channel before it sleeps.
+    /// Time for which a waiting rank polls an empty channel before it leaves its core to others.
     patience: Patience,
+    /// How it does so; none if ranks share cores: it sleeps at once.
+    rest: Option<Rest>,
 }
 
 /// Number of polls between two readings of the clock.
@@ -49,6 +52,7 @@ pub fn connect(size: usize) -> Vec<Threads> {
         traffic: Traffic::default(),
         // The master rarely works.
         patience: Patience::new(size <= cores + 1),
+        rest: (size <= cores + 1).then(Rest::new),
     })
     .collect()
 }
@@ -116,6 +120,15 @@ impl Transport for Threads {
         }
         self.patience.record_failure();
         clock.before_sleep();
+        // To yield is faster than to sleep and be woken.
+        while self.rest.as_ref().is_some_and(|rest| rest.yields(clock.elapsed())) {
+            self.rest.iter_mut().for_each(Rest::yield_core);
+            if self.try_recv(from, tag, words)? {
+                self.wait_cpu += clock.cpu();
+                return Ok(());
+            }
+        }
+        self.rest.iter_mut().for_each(Rest::record_sleep);
         let parcel = loop {
             match self.from[from].recv() {
                 Ok((t, parcel)) if t == tag => break Ok(parcel),

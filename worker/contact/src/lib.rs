@@ -85,6 +85,7 @@ use search::{SEARCHES, Search};
 use slave_candidates::SlaveCandidates;
 use slave_histories::SlaveHistories;
 use solver::ContactSolver;
+use std::ops::Range;
 use surface::Surface;
 use surroundings::{Exclusions, VelocityConstraint};
 use travel::Travel;
@@ -285,7 +286,8 @@ impl Contact {
         (time, dt): (f64, f64),
         [stable, limit]: [f64; 2],
     ) {
-        let spread = range_of(&nodes.v_next).diameter();
+        let velocity = |i: usize| Lane::new(nodes.v_next[i]);
+        let spread = VectorRange::side_by_side(nodes.v_next.len(), velocity).diameter();
         // If this is false, no node passes the thinnest segment within one stable step of the
         // elements.
         let fast = stable * spread > self.surface.thinnest;
@@ -314,7 +316,10 @@ impl Contact {
             };
             self.candidates.segments_of(i).iter().filter_map(of_pair).fold(0.0, f64::max)
         };
-        let of_nodes = s.slaves.iter().enumerate().map(of_slave).fold(0.0, f64::max);
+        let of_piece =
+            |piece: Range<usize>| piece.map(|i| of_slave((i, &s.slaves[i]))).fold(0.0, f64::max);
+        let pieces = threads::map(threads::ranges(s.slaves.len(), PIECE), of_piece);
+        let of_nodes = pieces.into_iter().fold(0.0, f64::max);
         of_nodes.max(self.edges.approach_rate(nodes, s, (time, dt)))
     }
 
@@ -631,16 +636,6 @@ impl Contact {
         self.edges.store_history(t.pairs.iter());
         self.facets.store_history(t.pairs.iter());
     }
-}
-
-/// Returns the range of all rows of a column.
-fn range_of(rows: &[Row]) -> VectorRange {
-    /// Least number of rows that a thread compares at a time.
-    const PIECE: usize = 4096;
-    let pieces: Vec<&[Row]> =
-        threads::ranges(rows.len(), PIECE).into_iter().map(|range| &rows[range]).collect();
-    let of_piece = |rows: &[Row]| VectorRange::from_vectors(rows.len(), |i| Lane::new(rows[i]));
-    VectorRange::of_all(threads::map(pieces, of_piece))
 }
 
 /// Returns the place of a pair: the first of its nodes on this worker, and the part of its segment.

@@ -12,6 +12,7 @@ use crumple_fem::nodes::Nodes;
 use crumple_math::lanes::{LANES, Lane, Real};
 use crumple_math::row::{V3, xyz};
 use crumple_math::threads;
+use std::ops::Range;
 
 /// A candidate pair that may touch in the step, with its projection.
 #[derive(Debug)]
@@ -73,12 +74,11 @@ impl ProjectedPairs {
     ) -> Vec<T> {
         near.waiting.find_due(path, &mut self.due);
         let mut rest = &self.due[..];
-        let count = threads::pieces(rest.len(), PIECE);
-        let length = rest.len().div_ceil(count);
-        self.pieces.resize_with(count, Piece::default);
+        let ranges = threads::ranges(rest.len(), PIECE);
+        self.pieces.resize_with(ranges.len(), Piece::default);
         let slave_of = |i: u32| near.list[i as usize].slave_index;
-        let cut = |piece| {
-            let mut end = length.min(rest.len());
+        let cut = |(piece, range): (_, Range<usize>)| {
+            let mut end = range.len().min(rest.len());
             while (1..rest.len()).contains(&end) && slave_of(rest[end]) == slave_of(rest[end - 1]) {
                 end += 1;
             }
@@ -86,7 +86,7 @@ impl ProjectedPairs {
             (due, rest) = rest.split_at(end);
             (due, piece)
         };
-        let pieces = self.pieces.iter_mut().map(cut).collect();
+        let pieces = self.pieces.iter_mut().zip(ranges).map(cut).collect();
         let list = &*near;
         let results = threads::map(pieces, |(due, piece): (&[u32], &mut Piece)| {
             piece.project((nodes, surface), (list, path), due, &memory, dt);

@@ -626,7 +626,7 @@ impl Surface {
     pub fn velocities(&self, nodes: &Nodes) -> [f64; 6] {
         let owned = self.owned.as_ref().unwrap_or(&self.slaves);
         let velocity = |k: usize| Lane::new(nodes.v[owned[k] as usize]);
-        let [low, high] = VectorRange::from_vectors(owned.len(), velocity).bounds();
+        let [low, high] = VectorRange::side_by_side(owned.len(), velocity).bounds();
         std::array::from_fn(|c| if c < 3 { high[c] } else { -low[c - 3] })
     }
 

@@ -287,15 +287,13 @@ impl Nodes {
     /// Moves local nodes to the next time, by the step `dt` [time].
     pub fn advance(&mut self, dt: f64) {
         std::mem::swap(&mut self.v, &mut self.v_next);
+        // Those of ghosts are received again before contact needs them.
+        std::mem::swap(&mut self.w, &mut self.w_next);
         let ranges = threads::ranges(self.local_count, PIECE);
-        let turning = turning_ranges(&ranges, self.rotations);
         let x = threads::cut(&mut self.x, &ranges);
-        let w = threads::cut(&mut self.w, &turning);
-        let w_next = threads::cut(&mut self.w_next, &turning);
-        let pieces = ranges.into_iter().zip(x).zip(w.into_iter().zip(w_next)).collect();
-        let moved = threads::map(pieces, |((range, x), (w, w_next))| {
+        let pieces = ranges.into_iter().zip(x).collect();
+        let moved = threads::map(pieces, |(range, x)| {
             let v = &self.v[range];
-            w.swap_with_slice(w_next);
             VectorRange::from_vectors(x.len(), |i| {
                 let by = Lane::splat(dt) * Lane::new(v[i]);
                 x[i] = (Lane::new(x[i]) + by).to_array();
@@ -390,9 +388,8 @@ impl Nodes {
         ];
         if self.rotations {
             rows.extend([
-                // The end of a step exchanges both columns.
-                row("rotational velocities", each, 3, 1),
-                row("rotational velocities of the next step", each, 1, 2),
+                row("rotational velocities", each, 2, 0),
+                row("rotational velocities of the next step", each, 1, 1),
                 row("nodal moments", each, 1, 1),
                 row("inverse inertias", each, 1, 0),
             ]);

@@ -5,6 +5,7 @@
 //! search nor a new decomposition.
 
 use crate::row::{Row, V3};
+use crate::vector_range::VectorRange;
 use bytemuck::{Pod, Zeroable};
 use crumple_proto::boxes::Aabb;
 use nalgebra::Matrix3;
@@ -19,6 +20,9 @@ const SAMPLES: usize = 64;
 const MAX_ROTATION: f64 = 0.25;
 /// Smallest number of nodes of a sample.
 const MIN_SAMPLES: usize = 8;
+/// Number of steps of which one fits the motion. In the others it follows the middle of the
+/// displacements, and the distances of nodes grow by half their range.
+const FIT_EVERY: u32 = 8;
 
 /// A rigid motion and the largest distance of a node from it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -86,9 +90,11 @@ pub struct MotionTracker {
     /// all.
     slack: Vec<f64>,
     drift: RigidMotion,
+    /// Number of steps since the last fit.
+    since_fit: u32,
 }
 
-crate::stateless!(MotionTracker { reference, sample, slack, drift });
+crate::stateless!(MotionTracker { reference, sample, slack, drift, since_fit });
 
 impl MotionTracker {
     /// Starts at the positions `x`.
@@ -98,6 +104,7 @@ impl MotionTracker {
             sample: Vec::new(),
             slack: Vec::new(),
             drift: RigidMotion::none(),
+            since_fit: FIT_EVERY,
         };
         motion.restart(x, Vec::new());
         motion
@@ -117,7 +124,7 @@ impl MotionTracker {
             picked = all.collect();
         }
         self.sample = picked.iter().copied().step_by((picked.len() / SAMPLES).max(1)).collect();
-        self.drift = RigidMotion::none();
+        (self.drift, self.since_fit) = (RigidMotion::none(), FIT_EVERY);
     }
 
     /// Returns the positions of the nodes at the last restart [length].
@@ -130,6 +137,25 @@ impl MotionTracker {
         size_of_val(&self.reference[..])
             + size_of_val(&self.sample[..])
             + size_of_val(&self.slack[..])
+    }
+
+    /// Returns the motion to `x`, the present positions of the same nodes. Call it in each step;
+    /// `moved` is the range of the displacements since the last call. The motion is fitted in some
+    /// of the calls, and always if `exact`; the distances of nodes are upper bounds in the others.
+    pub fn follow(&mut self, x: &[Row], moved: &VectorRange, exact: bool) -> RigidMotion {
+        self.since_fit += 1;
+        if exact || self.since_fit >= FIT_EVERY {
+            self.since_fit = 0;
+            return self.update(x);
+        }
+        if !x.is_empty() {
+            let [low, high] = moved.bounds();
+            self.drift.translation += (vec3(&low) + vec3(&high)) * 0.5;
+            let apart = 0.5 * moved.diameter();
+            self.drift.residual += apart;
+            self.drift.beyond_slack += apart;
+        }
+        self.drift
     }
 
     /// Returns the motion to `x`, the present positions of the same nodes.
@@ -193,6 +219,7 @@ fn rotation_of(cross: &Matrix3<f64>) -> Option<Matrix3<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::Lane;
     use nalgebra::Rotation3;
 
     fn cloud() -> Vec<Row> {
@@ -220,5 +247,39 @@ mod tests {
         x[3][1] += 2.5; // not in the sample
         let d = motion.update(&x);
         assert!((d.residual - 2.5).abs() < 1e-9, "{}", d.residual);
+    }
+
+    /// Between two fits the motion still bounds the distances of all nodes, and loses little for a
+    /// body that rotates slowly.
+    #[test]
+    fn a_motion_that_is_followed_bounds_that_of_all_nodes() {
+        let x0 = cloud();
+        let at = |step: u32| -> Vec<Row> {
+            let t = f64::from(step);
+            let r = Rotation3::from_euler_angles(0.0, 0.0, 1e-4 * t);
+            let moved = |(i, p): (usize, &Row)| {
+                let q = r * vec3(p) + V3::new(3.0 * t, -0.5 * t, 0.0);
+                [q.x, q.y, q.z + if i == 3 { 0.02 * t } else { 0.0 }, 0.0]
+            };
+            x0.iter().enumerate().map(moved).collect()
+        };
+        let (mut motion, mut exact) = (MotionTracker::since(&x0), MotionTracker::since(&x0));
+        let mut before = x0.clone();
+        let mut differ = 0;
+        for step in 0..4 * FIT_EVERY {
+            let x = at(step);
+            let by = |i: usize| Lane::new(x[i]) - Lane::new(before[i]);
+            let moved = VectorRange::from_vectors(x.len(), by);
+            let followed = motion.follow(&x, &moved, false);
+            let largest =
+                x.iter().zip(&x0).map(|(a, b)| (vec3(a) - followed.carried(vec3(b))).norm());
+            let largest = largest.fold(0.0, f64::max);
+            assert!(followed.residual >= largest - 1e-9, "{step}: {largest}, {followed:?}");
+            let fitted = exact.follow(&x, &moved, true).residual;
+            assert!(followed.residual - fitted < 0.3, "{step}: {} {fitted}", followed.residual);
+            differ += u32::from(followed.residual != fitted);
+            before = x;
+        }
+        assert_eq!(differ, 4 * (FIT_EVERY - 1), "it is fitted in one of some steps");
     }
 }

@@ -17,7 +17,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 use team::Team;
 
-/// Number of pieces per thread into which [`ranges`] cuts a loop: a thread that is slow, or has
+/// Number of pieces into which [`ranges`] cuts the share of a thread: a thread that is slow, or has
 /// dear pieces, leaves some to the others.
 const PIECES: usize = 4;
 
@@ -59,17 +59,32 @@ pub fn cpu() -> Duration {
     (thread_cpu() + helped).saturating_sub(waited)
 }
 
-/// Returns the number of pieces into which a loop of `count` steps is cut, so that none has fewer
-/// than `least` steps; 1 for a single thread.
-pub fn pieces(count: usize, least: usize) -> usize {
-    let threads = self::count();
-    if threads == 1 { 1 } else { (count / least.max(1)).clamp(1, PIECES * threads) }
+/// Cuts `0..count` into ranges, none with fewer than `least` steps; into one for a single thread.
+/// Each thread has a share of the same length, in pieces that become shorter: the last ones, which
+/// threads take from each other, decide how long they wait at the end of the loop.
+pub fn ranges(count: usize, least: usize) -> Vec<Range<usize>> {
+    let threads = self::count().min(count / least.max(1)).max(1);
+    if threads == 1 {
+        return std::iter::once(0..count).collect();
+    }
+    let share = |thread: usize| {
+        let (mut start, end) = (thread * count / threads, (thread + 1) * count / threads);
+        let mut pieces: Vec<Range<usize>> = Vec::with_capacity(PIECES);
+        while pieces.len() + 1 < PIECES && (end - start) / 2 >= least.max(1) {
+            let half = start + (end - start).div_ceil(2);
+            pieces.push(start..half);
+            start = half;
+        }
+        pieces.push(start..end);
+        pieces
+    };
+    (0..threads).flat_map(share).collect()
 }
 
-/// Cuts `0..count` into ranges of about the same length, see [`pieces`].
-pub fn ranges(count: usize, least: usize) -> Vec<Range<usize>> {
-    let pieces = pieces(count, least);
-    (0..pieces).map(|i| i * count / pieces..(i + 1) * count / pieces).collect()
+/// Cuts `0..count` into ranges of `size` steps; the last may be shorter. They do not depend on the
+/// number of threads: so sums of terms that round may be joined range by range.
+pub fn ranges_of_size(count: usize, size: usize) -> Vec<Range<usize>> {
+    (0..count).step_by(size).map(|start| start..(start + size).min(count)).collect()
 }
 
 /// Calls `work` for each piece, and returns its results in the order of the pieces.
@@ -90,6 +105,21 @@ pub fn map<T: Send, U: Send>(pieces: Vec<T>, work: impl Fn(T) -> U + Sync) -> Ve
     team().expect("there are helpers").run(due.len(), &one);
     let result = |of: Mutex<Option<U>>| of.into_inner().ok().flatten().expect("it is done");
     done.into_iter().map(result).collect()
+}
+
+/// Returns the results of `a` and `b`, which two threads compute.
+///
+/// # Panics
+/// If one of them panics.
+pub fn both<A: Send, B: Send>(
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    let (mut of_a, mut of_b) = (None, None);
+    let tasks: Vec<Box<dyn FnOnce() + Send + '_>> =
+        vec![Box::new(|| of_a = Some(a())), Box::new(|| of_b = Some(b()))];
+    map(tasks, |task| task());
+    (of_a.expect("it is done"), of_b.expect("it is done"))
 }
 
 /// Joins the results of pieces in their order.
@@ -140,6 +170,34 @@ mod tests {
                 assert!(ranges.len() <= PIECES * threads && (threads > 1 || ranges.len() == 1));
             }
         }
+    }
+
+    #[test]
+    fn pieces_of_a_share_become_shorter() {
+        let lengths: Vec<usize> =
+            with_threads(2, || ranges(160, 10).iter().map(Range::len).collect());
+        assert_eq!(lengths, [40, 20, 10, 10, 40, 20, 10, 10]);
+    }
+
+    #[test]
+    fn ranges_of_a_size_do_not_depend_on_threads() {
+        let of = |threads| with_threads(threads, || ranges_of_size(25, 10));
+        assert_eq!(of(1), [0..10, 10..20, 20..25]);
+        assert_eq!(of(3), of(1));
+        assert_eq!(ranges_of_size(0, 10), []);
+    }
+
+    #[test]
+    fn two_tasks_give_both_results() {
+        let count = || std::thread::current().id();
+        for threads in [1, 2, 3] {
+            let ids =
+                with_threads(threads, || (0..100).map(|_| both(count, count)).collect::<Vec<_>>());
+            assert_eq!(ids.len(), 100);
+            let apart = ids.iter().filter(|(a, b)| a != b).count();
+            assert!(threads > 1 || apart == 0, "{apart}");
+        }
+        assert_eq!(both(|| 3, || "b"), (3, "b"));
     }
 
     #[test]

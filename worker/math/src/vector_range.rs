@@ -1,6 +1,7 @@
 //! Range of a set of vectors by component.
 
 use crate::lanes::{Lane, Real};
+use crate::threads;
 
 /// Smallest and largest component of all vectors in a set, for each direction.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,16 @@ impl VectorRange {
         (whole..count).for_each(|i| ranges[0].include(at(i)));
         let [a, b, c, d] = ranges;
         a.joined(&b).joined(&c.joined(&d))
+    }
+
+    /// Returns the range of the `count` vectors that `at` returns; threads share them.
+    pub fn side_by_side(count: usize, at: impl Fn(usize) -> Lane + Sync) -> Self {
+        /// Least number of vectors that a thread compares at a time.
+        const PIECE: usize = 2048;
+        let of_piece = |piece: std::ops::Range<usize>| {
+            Self::from_vectors(piece.len(), |i| at(piece.start + i))
+        };
+        Self::of_all(threads::map(threads::ranges(count, PIECE), of_piece))
     }
 
     /// Adds a vector. Components that are not a number are left out: the step that computed them

@@ -14,6 +14,7 @@ mod tests;
 use crate::constraints::prescribed::MotionCurve;
 use crate::energy::WallWork;
 use crate::math::row::{Row, V3, row, xyz};
+use crate::math::threads;
 use crate::nodes::Nodes;
 use crate::time::StepSizes;
 use crate::work::Work;
@@ -26,6 +27,10 @@ use push::{RecoilCandidate, collect, speed_after};
 use serde::{Deserialize, Serialize};
 pub(crate) use shape::SurfaceForm;
 pub use shape::WallSurface;
+use std::ops::Range;
+
+/// Least number of nodes whose distance from walls a thread tests at a time.
+const PIECE: usize = 1024;
 
 /// One wall.
 #[derive(Debug)]
@@ -272,13 +277,14 @@ impl Walls {
     /// Keeps all local nodes in front of the walls, from their velocities in `v_next`. Adds the
     /// work on owned nodes to `work`.
     fn enforce_on_local(&mut self, nodes: &mut Nodes, steps: StepSizes, work: &mut WallWork) {
-        let (mut next, end) = (0, nodes.local_count);
-        while next < end {
-            // Nearly all nodes stay clear of all walls.
-            let mut rows = nodes.x[next..end].iter().zip(&nodes.v_next[next..end]);
-            let is_met = |(x, v)| self.walls.iter().any(|w| !w.misses(x, v, steps.dt));
-            let Some(found) = rows.position(is_met) else { break };
-            let i = next + found;
+        // Nearly all nodes stay clear of all walls.
+        let is_met = |&i: &usize| {
+            let (x, v) = (&nodes.x[i], &nodes.v_next[i]);
+            self.walls.iter().any(|w| !w.misses(x, v, steps.dt))
+        };
+        let met = |range: Range<usize>| range.filter(is_met).collect();
+        let ranges = threads::ranges(nodes.local_count, PIECE);
+        for i in threads::joined(threads::map(ranges, met)) {
             let free = nodes.v_next[i];
             nodes.v_next[i] = self.stop(nodes, i, free, steps.dt);
             if nodes.is_owned(i) && nodes.v_next[i] != free {
@@ -286,7 +292,6 @@ impl Walls {
                 work.total.add(of_walls);
                 work.friction.add(of_friction);
             }
-            next = i + 1;
         }
     }
 
