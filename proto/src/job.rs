@@ -324,6 +324,9 @@ pub struct Time {
     /// Coefficient of mass-proportional damping, for dynamic relaxation: a force
     /// `-damping * mass * velocity` on every node, and the corresponding moment [1/time].
     pub damping: f64,
+    /// Name of a curve, the factor over time on `damping`; without it 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_curve: Option<String>,
     /// Largest step [time]; 0 for no limit. A model of rigid bodies alone needs one.
     pub dt_max: f64,
 }
@@ -340,6 +343,7 @@ impl Default for Time {
             subcycle_layers: 1,
             subcycle_contact: false,
             damping: 0.0,
+            damping_curve: None,
             dt_max: 0.0,
         }
     }

@@ -21,6 +21,8 @@ pub struct ResolvedLoads {
     pub motions: Vec<PrescribedMotion>,
     /// Mass-proportional damping [1/time], 0 for none.
     pub damping: f64,
+    /// Index of the curve of this damping; constant if `None`.
+    pub damping_curve: Option<usize>,
     /// Damping of parts.
     pub part_damping: Vec<PartDamping>,
     /// Dampers at nodes of boundaries that let waves out, in ascending id.

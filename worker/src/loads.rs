@@ -37,8 +37,10 @@ pub struct Loads {
     pub airbag_pressures: Vec<f64>,
     faces: Vec<LoadedFace>,
     absorbers: Vec<LocalAbsorber>,
-    /// Damping coefficient [1/time].
-    pub damping: f64,
+    /// Damping coefficient of the job, and its curve [1/time].
+    damping_given: (f64, Option<usize>),
+    /// Damping coefficient at the present time [1/time].
+    damping: f64,
     /// Acceleration of all body forces at the present time [length/time^2].
     falling: Row,
     /// Number of cycles for which a load on a local node acts. At a node with slow elements only
@@ -58,6 +60,7 @@ stateless!(Loads {
     airbag_pressures,
     faces,
     absorbers,
+    damping_given,
     damping,
     falling,
     cycles
@@ -208,7 +211,8 @@ impl Loads {
                 .iter()
                 .map(|a| LocalAbsorber { job: a.clone(), node: None, impulse: [0.0; 4] })
                 .collect(),
-            damping: job.damping,
+            damping_given: (job.damping, job.damping_curve),
+            damping: 0.0,
             falling: [0.0; 4],
             cycles: Vec::new(),
         }
@@ -462,9 +466,17 @@ impl Loads {
         }
     }
 
+    /// Sets the coefficient of the damping of all masses for a step that starts at `time`, and
+    /// returns it [1/time].
+    pub fn damp_at(&mut self, time: f64) -> f64 {
+        let (given, curve) = self.damping_given;
+        self.damping = given * factor(&self.curves, curve, time);
+        self.damping
+    }
+
     /// Removes all damping.
     pub fn stop_damping(&mut self) {
-        self.damping = 0.0;
+        (self.damping_given, self.damping) = ((0.0, None), 0.0);
         self.damped_parts.clear();
     }
 

@@ -153,7 +153,7 @@ impl Cycle {
         let clock = &engine.clock;
         engine.timer.recorder().iter_mut().for_each(|r| r.set_cycle(clock.cycle));
         Self {
-            steps: clock.steps(engine.loads.damping),
+            steps: clock.steps(engine.loads.damp_at(clock.time)),
             set: clock.element_set(&engine.settings),
             totals: PassTotals::NONE,
             drift: RigidMotion::none(),

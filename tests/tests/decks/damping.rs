@@ -1,4 +1,4 @@
-//! Damping of parts in proportion to their masses, `*DAMPING_PART_MASS`: free cubes and rigid
+//! Damping in proportion to mass, `*DAMPING_PART_MASS` and `*DAMPING_GLOBAL`: free cubes and rigid
 //! bodies become slower by the exponential of its integral. Units mm, ms, kg, so kN and J.
 
 use crate::base::{BASE, assert_refused, assert_same_when_written, model_of, refused, with};
@@ -56,6 +56,30 @@ fn damped_bodies_become_slower_by_the_exponential() {
         println!("{curve}: {error:.1e} of {by_step:.1e}, balance {balance:.1e}");
         assert!(balance.abs() < 1e-9, "{energies:?}: {balance}");
     }
+}
+
+/// Damping of all masses by a curve: the exponential of its integral, within a step. The work is
+/// the loss of kinetic energy, bits do not depend on workers, and the deck that is written is the
+/// same.
+#[test]
+fn damping_of_all_masses_follows_its_curve() {
+    let deck = cubes(
+        STEEL,
+        &format!("*DAMPING_GLOBAL\n8,0,{ALPHA},{ALPHA},{ALPHA},{ALPHA},{ALPHA},{ALPHA}\n"),
+    );
+    let model = model_of(&deck);
+    let end = run_alone(&model, |_| {});
+    let (found, exact) = (ratio(&end), (-0.5 * ALPHA * END).exp());
+    let by_step = ALPHA * end.clock.time / end.clock.cycle as f64;
+    let error = (found / exact).ln();
+    assert!(error.abs() < by_step, "{found}, {exact}, {error:.1e} of {by_step:.1e}");
+    let energies = end.energies(true).values();
+    let balance = (energies.external + MASS * VELOCITY * VELOCITY) / energies.kinetic - 1.0;
+    assert!(balance.abs() < 1e-9, "{energies:?}: {balance}");
+    let digest = |workers| run_side_by_side(&model, workers, 300, 0).digest();
+    let alone = digest(1);
+    assert!([2, 3].into_iter().all(|workers| digest(workers) == alone));
+    assert_same_when_written(&deck, "time.max_cycles=100", "*DAMPING_GLOBAL");
 }
 
 /// One damped cube of two: the nodes of the common face have half of the damping, so that the whole

@@ -271,16 +271,16 @@ fn what_is_left_out_has_a_name() {
     assert!(!report.contains("there is no *MAT_"), "{report}");
     let bag = based(
         "*AIRBAG_HYBRID\n1\n*CONTROL_TIMESTEP\n0,0,0,0,0,7\n\
-                     *DEFINE_CURVE\n7\n0.0,1e-3\n1.0,2e-3\n",
+                     *DEFINE_CURVE\n7\n0.0,0.0\n1.0,2e-3\n",
     );
     let model = reading(&bag, &["mesh.allow_unsupported=true"]).unwrap_or_else(|r| panic!("{r}"));
     assert!(said(&model).contains("bags have no pressure"), "{}", said(&model));
     assert!(said(&model).contains("acts as if `lctm` were blank"), "{}", said(&model));
 }
 
-/// A constant curve limits the time step of a job.
+/// The smallest ordinate of a curve within the run limits the time step of a job.
 #[test]
-fn a_constant_curve_limits_the_step() {
+fn a_curve_limits_the_step() {
     let cards = "*CONTROL_TIMESTEP\n0,0,0,0,0,7\n*DEFINE_CURVE\n7\n0.0,1e-3\n1.0,1e-3\n";
     let model = reading(&based(cards), &[]).unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(model.settings.dt_max, 1e-3);
@@ -289,6 +289,17 @@ fn a_constant_curve_limits_the_step() {
                  0.0,8e-3\n1.0,8e-3\n";
     let model = reading(&based(cards), &[]).unwrap_or_else(|report| panic!("{report}"));
     assert_eq!(model.settings.dt_max, 2e-3);
+    for (points, least, changes) in [
+        ("0.0,1e-3\n5.0,4e-3\n20.0,4e-3", 1e-3, true),
+        ("0.0,3e-3\n5.0,2e-3\n10.0,4e-3\n11.0,1e-9", 2e-3, true),
+        ("0.0,3e-3\n10.0,3e-3\n11.0,1e-3", 3e-3, false),
+    ] {
+        let cards = format!("*CONTROL_TIMESTEP\n0,0,0,0,0,7\n*DEFINE_CURVE\n7\n{points}\n");
+        let model = reading(&based(&cards), &[]).unwrap_or_else(|report| panic!("{report}"));
+        assert_eq!(model.settings.dt_max, least, "{points}");
+        let words = format!("at most {least} in the whole run");
+        assert_eq!(said(&model).contains(&words), changes, "{points}: {}", said(&model));
+    }
     let zeros = "*CONTROL_TIMESTEP\n0,0,0,0,0,7\n*DEFINE_CURVE\n7\n0.0,0.0\n1.0,0.0\n";
     let report = refused(&based(zeros));
     assert!(report.contains("`lctm` = 7 is not supported"), "{report}");

@@ -118,6 +118,24 @@ fn spot_welds_of_beams_break() {
     assert_eq!(numbers, [0.4, 2.0, 0.5]);
 }
 
+/// A fixed node that only gives a beam its axes is no error; one of the beam itself stays fixed.
+#[test]
+fn nodes_for_axes_of_beams_are_not_fixed() {
+    let fixes = |held: &str| {
+        let model = with(&format!(
+            "*PART\nbar\n3,3,2\n*SECTION_BEAM\n3,2,1.0\n4.0,1.3,1.3,2.6,3.3\n*MAT_ELASTIC\n\
+             2,7.85e-6,207.0,0.3\n*NODE\n31,1,2,30,7,7\n*ELEMENT_BEAM\n21,3,2,12,31\n\
+             *BOUNDARY_SPC_NODE\n{held},0,1,1,1\n"
+        ));
+        let told = model.mapping.iter().any(|m| m.asked.contains("for axes of beams"));
+        let sets = model.job.fix.iter().map(|f| f.nodes.clone()).collect::<Vec<_>>();
+        (told, sets.iter().filter(|s| set(&model, s) == [31]).count(), sets.len())
+    };
+    let (plain, both) = (fixes("31"), fixes("12"));
+    assert_eq!((plain.0, plain.1, both.0, both.1), (true, 0, true, 0));
+    assert_eq!(both.2, plain.2 + 1);
+}
+
 /// The forces of welds on one of their ends are in `sections.csv`.
 #[test]
 fn forces_of_welds_have_histories() {

@@ -274,15 +274,19 @@ fn constraints_may_hold_for_a_time() {
 
 /// A curve of damping is its value, if it is constant from 0 to the end of the run.
 #[test]
-fn a_constant_curve_of_damping_is_a_number() {
+fn a_curve_of_damping_is_a_number_or_a_curve() {
     let card = |points: &str| format!("*DAMPING_GLOBAL\n4,9.0\n*DEFINE_CURVE\n4\n{points}\n");
     for points in ["0,3.0\n10,3.0", "-1,3.0\n5,3.0\n20,3.0", "0,3.0\n10,3.0\n11,0.0"] {
         assert_eq!(with(&card(points)).job.time.damping, 3.0, "{points}");
     }
     for points in ["0,3.0\n5,3.0", "0,3.0\n10,4.0", "2,3.0\n20,3.0", "0,3.0\n9,3.0\n11,0.0"] {
-        let report = crate::base::refused(&card(points));
-        assert!(report.contains("constant from 0 to the end of the run"), "{points}: {report}");
+        let time = with(&card(points)).job.time;
+        assert_eq!((time.damping, time.damping_curve.as_deref()), (1.0, Some("curve-4")));
     }
+    let half = with("*DAMPING_GLOBAL\n4,9.0,0.5,0.5,0.5,0.5,0.5,0.5\n*DEFINE_CURVE\n4\n0,3\n9,4\n");
+    assert_eq!(half.job.time.damping, 0.5);
+    let report = crate::base::refused(&card("0,3.0\n10,-1.0"));
+    assert!(report.contains("has the factor -1.0 at 10.0"), "{report}");
 }
 
 /// Rotations of nodes about an axis by their velocity or their angle.

@@ -130,7 +130,7 @@ fn control(deck: &mut DeckWriter, job: &Job) {
     deck.keyword("CONTROL_TIMESTEP");
     let scaled = Number(-time.mass_scaling_dt);
     deck.card(&[Blank, Number(time.safety), Blank, Blank, scaled, limit]);
-    if job.time.damping > 0.0 {
+    if job.time.damping > 0.0 && job.time.damping_curve.is_none() {
         deck.keyword("DAMPING_GLOBAL");
         deck.card(&[Blank, Number(job.time.damping)]);
     }

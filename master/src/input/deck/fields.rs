@@ -3,6 +3,7 @@
 
 use super::number;
 use super::table::{Card, FieldType};
+use std::ops::Range;
 
 /// Maximum number of fields of a card; the largest has sixteen of five columns.
 pub const MOST: usize = 20;
@@ -122,10 +123,11 @@ pub fn split(line: &[u8], card: &Card, format: CardFormat) -> Fields {
 const SHIFT: usize = 3;
 
 /// Returns the words of a line as the fields of a card whose columns they do not fit: a field of a
-/// number has something else in its columns, such as two words or a part of a number. Words are
-/// fields if there is one for each field, if all columns are some columns farther right, or if each
-/// word has most of its columns in the next field. Otherwise it would not be known which fields are
-/// blank. `None` if the line fits its columns, or its words do not fit either.
+/// number has something else in its columns, such as two words or a part of a number, or a border
+/// cuts a number. Words are fields if there is one for each field, if all columns are some columns
+/// farther right, or if each word has most of its columns in the next field. Otherwise it would not
+/// be known which fields are blank. `None` if the line fits its columns, or its words do not fit
+/// either.
 pub fn words_of_broken_columns(
     line: &[u8],
     card: &Card,
@@ -146,7 +148,10 @@ pub fn words_of_broken_columns(
     let is_number = |kind: FieldType| matches!(kind, FieldType::Integer | FieldType::Real);
     let numbers = card.fields.iter().all(|field| is_number(field.kind));
     let marks = line.iter().any(|b| b",\t".contains(b));
-    if marks || format == CardFormat::Words || fits(by_columns) || !numbers {
+    if marks || format == CardFormat::Words || !numbers {
+        return None;
+    }
+    if fits(by_columns) && !cuts_a_number(line, card, format) {
         return None;
     }
     let none = || Fields { count: 0, spans: [(0, 0); MOST] };
@@ -173,6 +178,20 @@ pub fn words_of_broken_columns(
     })
 }
 
+/// Returns true if a border between columns cuts a number of which neither part fills its field.
+/// Numbers of two fields that touch do fill them, at least one of the two.
+fn cuts_a_number(line: &[u8], card: &Card, format: CardFormat) -> bool {
+    let mut start = 0;
+    card.fields.windows(2).any(|two| {
+        let from = start;
+        start += format.width(two[0].width);
+        let end = start + format.width(two[1].width);
+        divided(line, start).is_some_and(|word| {
+            word.start > from && word.end < end && number::real(&line[word]).is_some()
+        })
+    })
+}
+
 /// Splits a line by columns that begin later than those of its card, by one column, by two and so
 /// on; the first field is so much wider. No border divides a number, and none is inside of the last
 /// word.
@@ -187,7 +206,7 @@ fn shifted<'l>(
         for (index, field) in card.fields.iter().enumerate() {
             to += format.width(field.width);
             let is_last = index + 1 == card.fields.len();
-            if divided(line, to).is_some_and(|word| is_last || number::real(word).is_some()) {
+            if divided(line, to).is_some_and(|at| is_last || number::real(&line[at]).is_some()) {
                 return None;
             }
             fields.push(line, from, to);
@@ -197,13 +216,13 @@ fn shifted<'l>(
     })
 }
 
-/// Returns the word that a border between columns divides.
-fn divided(line: &[u8], border: usize) -> Option<&[u8]> {
+/// Returns the range of the word that a border between columns divides.
+fn divided(line: &[u8], border: usize) -> Option<Range<usize>> {
     let (before, after) = line.split_at_checked(border)?;
     let is_blank = |b: &u8| b.is_ascii_whitespace();
     let start = before.iter().rposition(is_blank).map_or(0, |at| at + 1);
     let end = border + after.iter().position(is_blank).unwrap_or(after.len());
-    (start < border && end > border).then(|| &line[start..end])
+    (start < border && end > border).then_some(start..end)
 }
 
 /// Splits a line at separators.
@@ -312,6 +331,31 @@ mod tests {
         assert_eq!(cut(card, &i10, CardFormat::I10), ["1", "2", "", "4"]);
         assert_eq!(cut(card, "1, 2,,4", CardFormat::Standard), ["1", "2", "", "4"]);
         assert_eq!(cut(card, "1,2,,4", CardFormat::Long), ["1", "2", "", "4"]);
+    }
+
+    /// A number that a border cuts has blanks on both sides of its two fields; numbers of two
+    /// fields that touch fill one of them.
+    #[test]
+    fn a_border_that_cuts_a_number_is_found() {
+        let card = Card::parse("e:r20 nu:r20 iflag:i");
+        let found = |line: &str| {
+            let fields = split(line.as_bytes(), &card, CardFormat::Columns);
+            words_of_broken_columns(line.as_bytes(), &card, CardFormat::Columns, &fields).map(
+                |words| {
+                    let text = |i| String::from_utf8_lossy(words.text(line.as_bytes(), i));
+                    (0..words.count()).map(|i| text(i).into_owned()).collect::<Vec<_>>()
+                },
+            )
+        };
+        let cut = "                 204                  .33         0";
+        assert_eq!(found(cut), Some(["204", ".33", "0"].map(String::from).to_vec()));
+        for whole in [
+            "                 204                 .33         0",
+            "                 2041.0000000000000e-01         0",
+            "204.0000000000000000.33                          0",
+        ] {
+            assert_eq!(found(whole), None, "{whole}");
+        }
     }
 
     #[test]

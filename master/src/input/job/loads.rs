@@ -62,8 +62,18 @@ pub fn resolve(
     let mut loads = ResolvedLoads {
         curves: job.curve.iter().map(|c| c.points.clone()).collect(),
         damping: job.time.damping,
+        damping_curve: curves.find_positive(
+            &job.time.damping_curve,
+            "time.damping_curve",
+            findings,
+        ),
         ..ResolvedLoads::default()
     };
+    if job.time.damping_curve.is_some() && job.time.damping == 0.0 {
+        let message = "`damping_curve` has no effect: `damping` is 0";
+        let help = "give `time.damping`, on which it is a factor, or remove the curve";
+        findings.add(Problem::error("time.damping_curve", message, help));
+    }
     if loads.damping < 0.0 {
         let message = format!("`damping` is {:?}", loads.damping);
         findings.add(Problem::error("time.damping", message, "it has to be 0 (none) or above"));

@@ -16,7 +16,7 @@ use serde_json::Value;
 use std::collections::HashSet;
 
 /// Keys that may change, with all keys below them.
-const FREE: [&str; 11] = [
+const FREE: [&str; 12] = [
     "title",
     "end_time",
     "output",
@@ -26,6 +26,7 @@ const FREE: [&str; 11] = [
     "restart",
     "time.max_cycles",
     "time.damping",
+    "time.damping_curve",
     "time.dt_max",
     "time.dt_min_ratio",
 ];

@@ -85,14 +85,22 @@ fn the_fourth_line_of_a_body_has_its_columns() {
     assert!(!report.contains("more lines"), "{report}");
 }
 
-/// Fields that are ignored for one reason have one warning.
+/// The inertia of the main node adds to that of the nodes, unless it would replace it.
 #[test]
-fn the_inertia_of_a_body_has_one_warning() {
-    let inertia = "r5 r6 r7\nr0.1 r0 r0";
-    let found = model(&with(&format!("{BODY}\n/RBODY/1\n=b\ni90 i0 i0 i0 r0 i2 i1\n{inertia}")));
-    let all = found.warnings.iter().map(|w| w.message.as_str());
-    let all: Vec<&str> = all.filter(|message| message.contains("jxx")).collect();
-    assert_eq!(all, ["/RBODY: `jxx` = 5, `jyy` = 6, `jzz` = 7, `jxy` = 0.1 are ignored"]);
+fn the_inertia_of_a_main_node_is_added_to_its_body() {
+    let of = |ispher: &str, icog: &str| {
+        let head = format!("i90 i0 i0 {ispher} r0 i2 i1 {icog}");
+        model(&with(&format!("{BODY}\n/RBODY/1\n=b\n{head}\nr5 r6 r7\nr0.1 r0.2 r0.3")))
+    };
+    let found = of("i0", "i0");
+    assert_eq!(found.job.rigid[0].added_inertia, Some([5.0, 6.0, 7.0, 0.1, 0.2, 0.3]));
+    assert!(!said(&found).contains("jxx"), "{}", said(&found));
+    for (ispher, icog) in [("i1", "i0"), ("i0", "i4")] {
+        let found = of(ispher, icog);
+        assert_eq!(found.job.rigid[0].added_inertia, None);
+        let words = "the inertia of the main node is ignored";
+        assert!(said(&found).contains(words), "{}", said(&found));
+    }
 }
 
 /// A wall stops nodes in front of it only, and nodes of a body only with Ikrem 1.

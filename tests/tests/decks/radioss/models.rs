@@ -62,6 +62,31 @@ fn an_ultimate_stress_gives_the_hardening() {
     assert!(!flat.job.material[0].parameters.contains_key("hardening_modulus"));
 }
 
+/// Rubber whose terms Radioss fits to a function has the function itself, and the bulk modulus of
+/// its slope at 0 and nu.
+#[test]
+fn rubber_of_a_function_has_the_function() {
+    let of = |head: &str| {
+        let function = "/FUNCT/5\n=test\nr-0.4 r-2e-3\nr0 r0\nr0.5 r1e-3\n";
+        let law = format!("/MAT/LAW69/2\n=gel\nr1e-6\n{head}\ni5\n{function}");
+        let cube = "i2 i1 i0";
+        mesh().replace(&card(cube), &card("i2 i2 i0"))
+            + &properties()
+            + &steel()
+            + &moves()
+            + &deck(&law)
+    };
+    let found = model(&of("i1 i0 r0.49 r1 i2 i-3"));
+    let gel = found.job.material.iter().find(|m| m.law == "tabulated_rubber").expect("a rubber");
+    let curve = gel.parameters["curve"].to_string();
+    assert_eq!(curve, "[[-0.4, -0.002], [0.0, 0.0], [0.5, 0.001]]");
+    let bulk = gel.parameters["bulk_modulus"].as_float().expect("a number");
+    assert!((bulk / (2e-3 / (3.0 * 0.02)) - 1.0).abs() < 1e-12, "{bulk}");
+    assert!(said(&found).contains("terms of Ogden fitted to the function"), "{}", said(&found));
+    let report = reading(&of("i1 i5 r0.49"), &[]).err().expect("an error");
+    assert!(report.contains("`fctbulk` = 5 is not supported"), "{report}");
+}
+
 /// Terms of the rubber of Ogden, without those of modulus 0; a blank nu is 0.495.
 #[test]
 fn rubber_has_its_terms() {
@@ -243,6 +268,20 @@ fn plastic_laws_keep_their_numbers() {
     assert_eq!(number(&cowper, "yield_stress"), 0.3);
     let pair = value(&cowper, "cowper_symonds").as_array().unwrap();
     assert_eq!((pair[0].as_float(), pair[1].as_float()), (Some(40.0), Some(5.0)));
+    // A function is the yield stress itself; a largest stress ends it.
+    let function = "/FUNCT/8\n=y\nr0 r300\nr0.1 r400\nr0.3 r500\n";
+    let law = |limit: &str| {
+        let power = format!("r0 r0 r1 r1 {limit}");
+        let card = format!("/MAT/COWPER/1\n{head}\n{power}\nr40 r5\n_\ni8 _ r1e-3\n{function}");
+        rows(&of_law(&card), "hardening")
+    };
+    let found = law("r0");
+    for (row, wanted) in found.iter().zip([[0.0, 0.3], [0.1, 0.4], [0.3, 0.5]]) {
+        assert!((0..2).all(|c| (row[c] - wanted[c]).abs() < 1e-15), "{found:?}");
+    }
+    let limited = law("r0.45");
+    assert_eq!(limited.len(), 3, "{limited:?}");
+    assert!((limited[2][0] - 0.2).abs() < 1e-12 && limited[2][1] == 0.45, "{limited:?}");
     // A power law as straight lines: each point is on it.
     let power = rows(&of_law(&format!("/MAT/LAW44/1\n{head}\nr0.3 r0.5 r0.4")), "hardening");
     assert!(power.len() > 50 && power[0] == [0.0, 0.3]);

@@ -92,19 +92,19 @@ impl DeckConverter {
         }
         for record in self.take_one("DAMPING_GLOBAL") {
             // A curve replaces the value of the card.
-            let given = match record.integer("lcid") {
+            let (id, place) = (record.integer("lcid"), record.place("lcid"));
+            let given = match id {
                 0 => Some(record.real("valdmp")),
-                id => self.constant_curve(id, record.place("lcid")),
+                _ => self.constant_curve(id, place),
             };
-            let Some(given) = given else {
-                let why = "damping that changes with the time; give valdmp, or a curve that is \
-                           constant from 0 to the end of the run";
-                self.unsupported_value(&record, "lcid", why);
-                continue;
-            };
-            let damping = given * self.damping_factor(&record);
-            let field = if record.integer("lcid") == 0 { "valdmp" } else { "lcid" };
-            self.tree.set_in("time", "damping", record.place(field), damping);
+            let at = if id == 0 { record.place("valdmp") } else { place };
+            let factor = self.damping_factor(&record);
+            if let Some(given) = given {
+                self.tree.set_in("time", "damping", at, given * factor);
+            } else if let (true, Some(curve)) = (factor != 0.0, self.time_curve(id, place)) {
+                self.tree.set_in("time", "damping", at, factor);
+                self.tree.set_in("time", "damping_curve", at, curve);
+            }
         }
     }
 
@@ -238,20 +238,27 @@ impl DeckConverter {
         }
     }
 
-    /// Converts the curve that limits the time step. The limit of a job is constant.
+    /// Converts the curve that limits the time step. The limit of a job is constant: the smallest
+    /// one of the run.
     fn step_limit(&mut self, record: &CardRecord) {
         let (id, place) = (record.integer("lctm"), record.place("lctm"));
         if id == 0 {
             return;
         }
         let Some(curve) = self.curve(id, place) else { return };
-        let limit = curve.points.first().map_or(0.0, |p| p[1]);
-        if limit > 0.0 && curve.points.iter().all(|p| p[1] == limit) {
-            self.tree.set_in("time", "dt_max", place, limit);
-        } else {
-            let why = "a limit of the time step that changes, or is not above 0: give a constant \
-                       curve";
-            self.unsupported_value(record, "lctm", why);
+        // The point after the end has a share in the values before it.
+        let count = 1 + curve.points.iter().take_while(|p| p[0] < self.end_time).count();
+        let within = curve.points.iter().take(count).map(|p| p[1]);
+        let (limit, most) =
+            within.fold((f64::INFINITY, 0.0f64), |(least, most), dt| (least.min(dt), most.max(dt)));
+        if !(limit.is_finite() && limit > 0.0) {
+            let why = "a limit of the time step that is not above 0: give a curve above it";
+            return self.unsupported_value(record, "lctm", why);
+        }
+        self.tree.set_in("time", "dt_max", place, limit);
+        if limit < most {
+            let asked = format!("lctm {id}: steps of {limit} to {most}");
+            self.map(record.name(), asked, format!("at most {limit} in the whole run"));
         }
     }
 

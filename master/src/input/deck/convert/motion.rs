@@ -8,7 +8,8 @@ use crate::input::deck::Unsupported;
 use crate::input::deck::record::CardRecord;
 use crate::input::job::tree::Place;
 use crumple_proto::ids::NodeId;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use crumple_proto::mesh::Shape;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 const DOFS: [(&str, &str); 6] = [
     ("dofx", "x"),
@@ -275,10 +276,20 @@ impl DeckConverter {
         }
     }
 
-    /// Adds all constraints of nodes.
+    /// Adds all constraints of nodes. Nodes that only give beams their axes need none.
     pub(super) fn fixes(&mut self) {
+        let beams = self.rows.elements().filter(|e| e.shape == Shape::Beam2);
+        let mut axes: HashSet<NodeId> = beams.map(|e| e.nodes[2]).collect();
+        self.rows.elements().flat_map(|e| e.corners()).for_each(|node| {
+            axes.remove(node);
+        });
         for DeckFix { set, is_new, nodes, dofs, place } in std::mem::take(&mut self.fixes) {
             if dofs.is_empty() || nodes.is_empty() && is_new {
+                continue;
+            }
+            if is_new && nodes.iter().all(|node| axes.contains(node)) {
+                let asked = format!("constraints of {} nodes for axes of beams", nodes.len());
+                self.map(&set, &asked, "none: they have no mass");
                 continue;
             }
             if is_new {

@@ -422,7 +422,7 @@ fn from_origin(mut points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
 }
 
 /// Returns the slope of a test from a strain of zero on [force/length^2]; 1 if it has none.
-fn first_slope(points: &[[f64; 2]]) -> f64 {
+pub(in crate::input::deck) fn first_slope(points: &[[f64; 2]]) -> f64 {
     let slope = points.windows(2).find(|two| two[1][0] > 0.0).or(points.windows(2).last());
     slope.map_or(1.0, |two| (two[1][1] - two[0][1]) / (two[1][0] - two[0][0]))
 }

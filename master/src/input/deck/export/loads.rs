@@ -34,6 +34,13 @@ pub fn gravity(
 
 /// Writes the damping of parts.
 pub fn damping(deck: &mut DeckWriter, model: &Model, curves: &mut TimeCurves<'_>) {
+    let time = &model.job.time;
+    if let Some(name) = &time.damping_curve {
+        let curve = curves.id(deck, Some(name));
+        deck.keyword("DAMPING_GLOBAL");
+        let factor = || Number(time.damping);
+        deck.card(&[Id(curve), Blank, factor(), factor(), factor(), factor(), factor(), factor()]);
+    }
     for damping in &model.job.damping {
         let curve = curves.id(deck, damping.curve.as_deref());
         let set = deck.part_set(&damping.parts);

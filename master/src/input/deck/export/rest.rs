@@ -22,7 +22,15 @@ pub fn write(deck: &mut DeckWriter, job: &Job, curves: &mut TimeCurves<'_>) {
         deck.note("units", LeftReason::NoCard, 1);
         deck.rest.insert("units".into(), job.units.clone().into());
     }
-    let carried = ["safety", "max_cycles", "dt_min_ratio", "mass_scaling_dt", "damping", "dt_max"];
+    let carried = [
+        "safety",
+        "max_cycles",
+        "dt_min_ratio",
+        "mass_scaling_dt",
+        "damping",
+        "damping_curve",
+        "dt_max",
+    ];
     differing(deck, "time", &job.time, &Time::default(), &carried);
     // Cards allow only intervals above zero.
     let output = &job.output;

@@ -408,7 +408,8 @@ impl StarterWriter<'_> {
         list(deck, "damping", &job.damping);
         list(deck, "require", &job.require);
         let referring = ["pressure", "airbag", "load", "motion", "wall"];
-        if referring.iter().any(|key| deck.rest.contains_key(*key)) {
+        let damped = job.time.damping_curve.is_some();
+        if damped || referring.iter().any(|key| deck.rest.contains_key(*key)) {
             list(deck, "curve", &job.curve);
         }
     }

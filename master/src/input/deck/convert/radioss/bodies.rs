@@ -10,6 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 const TRANSLATIONS: [&str; 3] = ["x", "y", "z"];
 const ROTATIONS: [&str; 3] = ["rx", "ry", "rz"];
+/// ICoG of a body that has mass and inertia of its main node only.
+const ONLY_MAIN: i64 = 4;
 
 /// A rigid body of a deck.
 #[derive(Debug)]
@@ -32,6 +34,8 @@ pub struct StarterBody {
     pub in_walls: bool,
     /// Mass that is added to it [mass].
     pub mass: f64,
+    /// Inertia that is added to it, xx, yy, zz, xy, yz, zx [mass length^2], and its place.
+    pub added_inertia: Option<([f64; 6], Place)>,
     /// Forces and moments on it.
     pub loads: Vec<JobTable>,
     /// True if the main node stays where it is, and does not move to the centre of the body.
@@ -72,6 +76,7 @@ impl StarterConverter {
             let mass = if is_link { 0.0 } else { record.real("mass") };
             let in_walls = is_link || record.integer("ikrem") == 1;
             let keeps_main = !is_link && record.integer("icog") > 2;
+            let added_inertia = if is_link { None } else { self.added_inertia(&record) };
             let place = record.head;
             let body = StarterBody {
                 name,
@@ -83,6 +88,7 @@ impl StarterConverter {
                 set: None,
                 in_walls,
                 mass,
+                added_inertia,
                 loads: Vec::new(),
                 keeps_main,
             };
@@ -93,6 +99,30 @@ impl StarterConverter {
             }
         }
         self.join_inner_bodies();
+    }
+
+    /// Returns the inertia that a body gets in addition to that of its nodes [mass length^2]. With
+    /// ispher or with icog 4 it would replace that one, which is reported, as are other axes.
+    fn added_inertia(&mut self, record: &CardRecord) -> Option<([f64; 6], Place)> {
+        let fields = ["jxx", "jyy", "jzz", "jxy", "jyz", "jxz"];
+        let given = fields.map(|field| record.real(field));
+        let is_turned = !self.deck.is_plain(record.integer("skew"));
+        let (field, _) = fields.iter().zip(given).find(|(_, j)| *j != 0.0)?;
+        let place = record.place(field);
+        let replaces = record.integer("ispher") != 0 || record.integer("icog") >= ONLY_MAIN;
+        if !replaces && !is_turned {
+            return Some((given, place));
+        }
+        let message = format!("{}: the inertia of the main node is ignored", record.name());
+        let help = match replaces {
+            true => {
+                "with ispher 1, or with icog 4, it would replace that of the nodes: give \
+                 `inertia` of the body in a job"
+            }
+            false => "give it in the global axes, without Skew_ID",
+        };
+        self.deck.trouble.warning(place, message, help);
+        None
     }
 
     /// Returns the main node of a body, which has to exist.
@@ -232,6 +262,9 @@ impl StarterConverter {
                 table.put("parts", place, parts.into_iter().collect::<Vec<i64>>());
             }
             let set = (!rest.is_empty()).then(|| (format!("{} nodes", body.name), rest));
+            if let Some((inertia, place)) = body.added_inertia {
+                table.put("added_inertia", place, inertia);
+            }
             if !body.fixed.is_empty() {
                 table.put("fixed", place, body.fixed.iter().copied().collect::<Vec<_>>());
             }

@@ -23,6 +23,10 @@ impl StarterConverter {
                 _ => "",
             };
             whole.in_walls |= body.in_walls;
+            if let Some((more, place)) = body.added_inertia {
+                let (sum, _) = whole.added_inertia.get_or_insert(([0.0; 6], place));
+                sum.iter_mut().zip(more).for_each(|(a, b)| *a += b);
+            }
             self.deck.map(
                 format!("body {}", body.name),
                 format!("its main node {} is a node of the body {}", inner.label(), whole.name),

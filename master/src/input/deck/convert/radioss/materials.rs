@@ -4,6 +4,7 @@
 use super::StarterConverter;
 use crate::input::deck::BEYOND_ALL_STRAINS;
 use crate::input::deck::convert::materials::{DeckMaterial, hardening_curve};
+use crate::input::deck::convert::soft_materials::first_slope;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::CardRecord;
 use std::collections::BTreeMap;
@@ -25,7 +26,7 @@ const LIMIT_WITHOUT_RATE: i64 = 2;
 const STRAIGHT: f64 = 1.0;
 
 /// Names of the keywords of materials.
-const KEYWORDS: [&str; 9] = [
+const KEYWORDS: [&str; 10] = [
     "/MAT/LAW0",
     "/MAT/LAW1",
     "/MAT/LAW2",
@@ -34,6 +35,7 @@ const KEYWORDS: [&str; 9] = [
     "/MAT/LAW42",
     "/MAT/LAW43",
     "/MAT/LAW44",
+    "/MAT/LAW69",
     "/MAT/PLAS_PREDEF",
 ];
 
@@ -54,6 +56,7 @@ impl StarterConverter {
             let (mut table, youngs_modulus) = match keyword {
                 "/MAT/LAW42" => ogden(&record, &name),
                 "/MAT/LAW19" => self.fabric(&record, &name),
+                "/MAT/LAW69" => self.tabulated_rubber(&record, &name),
                 "/MAT/PLAS_PREDEF" => {
                     let Some((table, [own, e])) = self.predefined(&record, &name) else {
                         let why = "has no values".to_string();
@@ -72,7 +75,7 @@ impl StarterConverter {
                 "/MAT/LAW43" => self.hill(&record, &mut table),
                 "/MAT/LAW44" => self.cowper_symonds(&record, &mut table),
                 "/MAT/LAW42" => self.volume_energy(&record),
-                "/MAT/PLAS_PREDEF" | "/MAT/LAW19" => {}
+                "/MAT/PLAS_PREDEF" | "/MAT/LAW19" | "/MAT/LAW69" => {}
                 _ => table.put("law", record.head, "elastic"),
             }
             if let (Some(failure), true) = (failures.get(&id), keyword != "/MAT/LAW2") {
@@ -86,7 +89,7 @@ impl StarterConverter {
                 Some(card)
                     if !matches!(
                         keyword,
-                        "/MAT/LAW0" | "/MAT/LAW1" | "/MAT/LAW19" | "/MAT/LAW42"
+                        "/MAT/LAW0" | "/MAT/LAW1" | "/MAT/LAW19" | "/MAT/LAW42" | "/MAT/LAW69"
                     ) =>
                 {
                     self.biquad(card, &mut table);
@@ -365,19 +368,67 @@ impl StarterConverter {
         fail(record, table);
     }
 
+    /// Converts rubber by the function of a uniaxial test; also returns Young's modulus
+    /// [force/length^2]. The bulk modulus is that of the slope at 0.
+    fn tabulated_rubber(&mut self, record: &CardRecord, name: &str) -> (JobTable, f64) {
+        let (place, nu) = (record.place("fct"), record.real_or("nu", 0.495));
+        let mut table = JobTable::new(record.head)
+            .with("name", record.place("title"), name)
+            .with("law", record.head, "tabulated_rubber")
+            .with("density", record.place("rho"), record.real("rho"));
+        let Some(points) = self.points_of(record.integer("fct"), place) else {
+            return (table, 1.0);
+        };
+        let modulus = first_slope(&points);
+        table.put("curve", place, points.iter().map(|p| p.to_vec()).collect::<Vec<_>>());
+        table.put("bulk_modulus", record.place("nu"), modulus / (3.0 * (1.0 - 2.0 * nu)));
+        let terms = match record.integer("law") {
+            2 => "terms of Mooney and Rivlin fitted to the function",
+            _ => "terms of Ogden fitted to the function",
+        };
+        self.deck.map(format!("material {}", record.integer("id")), terms, "the function itself");
+        (table, modulus)
+    }
+
     /// Converts a yield stress with the factor of Cowper and Symonds.
     fn cowper_symonds(&mut self, record: &CardRecord, table: &mut JobTable) {
-        let [a, b, c] = ["a", "b", "c"].map(|field| record.real(field));
-        let [n, p] = ["n", "p"].map(|field| record.real_or(field, 1.0));
+        let (c, p) = (record.real("c"), record.real_or("p", 1.0));
         let (limit, icc) = (largest_stress(record), record.integer("icc"));
         if limit.is_some() && c > 0.0 && icc == 2 {
             let why = "a largest stress without the factor of the rate: use icc 1";
             self.deck.unsupported_value(record, "icc", why);
         }
-        self.hardening_lines(record, [a, b, n], limit, table);
+        if record.integer("fcty") == 0 {
+            let power = [record.real("a"), record.real("b"), record.real_or("n", 1.0)];
+            self.hardening_lines(record, power, limit, table);
+        } else {
+            self.yield_function(record, limit, table);
+        }
         if c > 0.0 {
             table.put("cowper_symonds", record.place("c"), [c, p]);
         }
+    }
+
+    /// Converts a yield stress by a function of the plastic strain, at most `limit`, to the law
+    /// `j2`; with its failure.
+    fn yield_function(&mut self, record: &CardRecord, limit: Option<f64>, table: &mut JobTable) {
+        table.put("law", record.head, "j2");
+        fail(record, table);
+        let place = record.place("fcty");
+        let Some(points) = self.points_of(record.integer("fcty"), place) else { return };
+        let scale = record.real_or("fscaley", 1.0);
+        let mut rows = hardening_curve(points.iter().map(|p| [p[0], scale * p[1]]).collect());
+        if let Some(limit) = limit
+            && let Some(above) = rows.iter().position(|row| row[1] > limit)
+        {
+            let end = match above.checked_sub(1).map(|before| (rows[before], rows[above])) {
+                Some(([x, y], [x2, y2])) => x + (x2 - x) * (limit - y) / (y2 - y),
+                None => 0.0,
+            };
+            rows.truncate(above);
+            rows.push([end, limit]);
+        }
+        table.put("hardening", place, rows.iter().map(|p| p.to_vec()).collect::<Vec<_>>());
     }
 
     /// Converts a yield stress `a + b eps^n`, at most `limit`, to the law `j2` with straight lines;

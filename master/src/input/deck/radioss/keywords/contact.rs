@@ -60,15 +60,13 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[rigid]]` of the nodes of the group. Parts whose nodes are all in it are its `parts`. \
          The main node is no part of the model: conditions on it act on the body. mass is \
-         `[[mass]]` in equal shares on its nodes. Walls do not stop its nodes unless Ikrem is 1. \
+         `[[mass]]` in equal shares on its nodes, the inertia is `added_inertia`. Walls do not stop its nodes unless Ikrem is 1. \
          A body whose main node is in the group of another one is a part of that one",
     )
     .unused(&[
         refused("sens", "bodies that a sensor switches"),
-        no_effect("skew", "it is for the inertia"),
         ignored("ispher icog", "mass and inertia of the body are those of its nodes"),
         no_effect("surf", "contact has the surfaces of the elements"),
-        ignored("jxx jyy jzz jxy jyz jxz", "the inertia is that of the nodes"),
         no_effect("ioptoff", "rigid elements compute no forces"),
         no_effect("iexpams", "mass scaling is that of elements"),
         refused("ifail", "bodies that fail"),

@@ -146,10 +146,11 @@ pub const KEYWORDS: &[Keyword] = &[
             ("a:r20! b:r20 n:r20=1 chard:r20 sigmax:r20=1e30", Once),
             ("c:r20 p:r20=1 icc:i fsmooth:i fcut:r20 blank:a10 vp:i", Maybe),
             ("epsmax:r20=1e30 epst1:r20=1e30 epst2:r20=1e30", Maybe),
-            ("fctp:i blank:a10 fscalep:r20=1", Maybe),
+            ("fcty:i blank:a10 fscaley:r20=1", Maybe),
         ],
         "law `j2` with c and p as `cowper_symonds`. With n other than 1 or with sigmax, \
-         a + b eps^n becomes straight lines. epsmax is `failure_strain`",
+         a + b eps^n becomes straight lines; with fcty the function, times fscaley, is the yield \
+         stress instead, as `hardening`. epsmax is `failure_strain`",
     )
     .aliases(&["/MAT/COWPER"])
     .unused(&[
@@ -159,8 +160,6 @@ pub const KEYWORDS: &[Keyword] = &[
         FILTER,
         ignored("vp", "the factor has the rate of the total strain"),
         ignored("epst1 epst2", "stress does not fall with the largest tensile strain"),
-        refused("fctp", "a function of the yield stress; use /MAT/LAW36"),
-        no_effect("fscalep", "it scales that function"),
     ]),
     Keyword::new(
         "/MAT/LAW42",
@@ -184,6 +183,26 @@ pub const KEYWORDS: &[Keyword] = &[
         refused("fctbulk", "a bulk modulus that depends on the volume"),
         no_effect("fscalebulk", "it scales that function"),
         refused("m", "relaxation of the stress"),
+    ]),
+    Keyword::new(
+        "/MAT/LAW69",
+        &[
+            TITLE,
+            DENSITY,
+            ("law:i=1 fctbulk:i nu:r20=0.495 fscalebulk:r20=1 npair:i=2 icheck:i", Once),
+            ("fct:i!", Once),
+        ],
+        "law `tabulated_rubber` of solids with the function of the nominal stress over the nominal \
+         strain as `curve`, and the bulk modulus of nu and the slope of the curve at 0. The terms \
+         of Ogden (law 1) or of Mooney and Rivlin (law 2) that Radioss fits to the function are \
+         not needed: tension and compression follow the function itself, other states of stress \
+         differ by the error of the fit",
+    )
+    .unused(&[
+        REFERENCE,
+        no_effect("law npair icheck", "nothing is fitted"),
+        refused("fctbulk", "a bulk modulus that depends on the volume"),
+        no_effect("fscalebulk", "it scales that function"),
     ]),
     Keyword::new(
         "/MAT/PLAS_PREDEF",
