@@ -127,9 +127,9 @@ fn nodes_for_axes_of_beams_are_not_fixed() {
              2,7.85e-6,207.0,0.3\n*NODE\n31,1,2,30,7,7\n*ELEMENT_BEAM\n21,3,2,12,31\n\
              *BOUNDARY_SPC_NODE\n{held},0,1,1,1\n"
         ));
-        let told = model.mapping.iter().any(|m| m.asked.contains("for axes of beams"));
+        let is_listed = model.mapping.iter().any(|m| m.asked.contains("for axes of beams"));
         let sets = model.job.fix.iter().map(|f| f.nodes.clone()).collect::<Vec<_>>();
-        (told, sets.iter().filter(|s| set(&model, s) == [31]).count(), sets.len())
+        (is_listed, sets.iter().filter(|s| set(&model, s) == [31]).count(), sets.len())
     };
     let (plain, both) = (fixes("31"), fixes("12"));
     assert_eq!((plain.0, plain.1, both.0, both.1), (true, 0, true, 0));

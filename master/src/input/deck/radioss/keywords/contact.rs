@@ -60,8 +60,9 @@ pub const KEYWORDS: &[Keyword] = &[
         ],
         "`[[rigid]]` of the nodes of the group. Parts whose nodes are all in it are its `parts`. \
          The main node is no part of the model: conditions on it act on the body. mass is \
-         `[[mass]]` in equal shares on its nodes, the inertia is `added_inertia`. Walls do not stop its nodes unless Ikrem is 1. \
-         A body whose main node is in the group of another one is a part of that one",
+         `[[mass]]` in equal shares on its nodes, the inertia is `added_inertia`. Walls do not \
+         stop its nodes unless Ikrem is 1. A body whose main node is in the group of another one \
+         is a part of that one",
     )
     .unused(&[
         refused("sens", "bodies that a sensor switches"),
