@@ -103,7 +103,7 @@ fn search(method: usize) -> Work {
 
 fn contact() -> Work {
     let mut e = engine("tube-crush", &[]);
-    let steps = e.clock.steps(e.loads.damping);
+    let steps = e.clock.steps(e.loads.damp_at(e.clock.time));
     let mut ends = threads::connect(2);
     Box::new(move || {
         let contact = e.contact.as_mut().expect("it has contact");
