@@ -324,7 +324,7 @@ pub struct Time {
     /// Coefficient of mass-proportional damping, for dynamic relaxation: a force
     /// `-damping * mass * velocity` on every node, and the corresponding moment [1/time].
     pub damping: f64,
-    /// Name of a curve, the factor over time on `damping`; without it 1.
+    /// Name of a curve: factor [1] over time on `damping`. Without one it is 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_curve: Option<String>,
     /// Largest step [time]; 0 for no limit. A model of rigid bodies alone needs one.

@@ -21,7 +21,7 @@ pub struct ResolvedLoads {
     pub motions: Vec<PrescribedMotion>,
     /// Mass-proportional damping [1/time], 0 for none.
     pub damping: f64,
-    /// Index of the curve of this damping; constant if `None`.
+    /// Index of the curve of the factor on `damping` [1]; without one it is 1.
     pub damping_curve: Option<usize>,
     /// Damping of parts.
     pub part_damping: Vec<PartDamping>,

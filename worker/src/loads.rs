@@ -37,9 +37,12 @@ pub struct Loads {
     pub airbag_pressures: Vec<f64>,
     faces: Vec<LoadedFace>,
     absorbers: Vec<LocalAbsorber>,
-    /// Damping coefficient of the job, and its curve [1/time].
-    damping_given: (f64, Option<usize>),
-    /// Damping coefficient at the present time [1/time].
+    /// Damping coefficient of the job [1/time].
+    damping_given: f64,
+    /// Curve of the factor on it [1]; without one it is 1.
+    damping_curve: Option<usize>,
+    /// Damping coefficient at the present time [1/time]; 0 before the first call of
+    /// [`Loads::damp_at`].
     damping: f64,
     /// Acceleration of all body forces at the present time [length/time^2].
     falling: Row,
@@ -61,6 +64,7 @@ stateless!(Loads {
     faces,
     absorbers,
     damping_given,
+    damping_curve,
     damping,
     falling,
     cycles
@@ -211,7 +215,8 @@ impl Loads {
                 .iter()
                 .map(|a| LocalAbsorber { job: a.clone(), node: None, impulse: [0.0; 4] })
                 .collect(),
-            damping_given: (job.damping, job.damping_curve),
+            damping_given: job.damping,
+            damping_curve: job.damping_curve,
             damping: 0.0,
             falling: [0.0; 4],
             cycles: Vec::new(),
@@ -469,14 +474,13 @@ impl Loads {
     /// Sets the coefficient of the damping of all masses for a step that starts at `time`, and
     /// returns it [1/time].
     pub fn damp_at(&mut self, time: f64) -> f64 {
-        let (given, curve) = self.damping_given;
-        self.damping = given * factor(&self.curves, curve, time);
+        self.damping = self.damping_given * factor(&self.curves, self.damping_curve, time);
         self.damping
     }
 
     /// Removes all damping.
     pub fn stop_damping(&mut self) {
-        (self.damping_given, self.damping) = ((0.0, None), 0.0);
+        (self.damping_given, self.damping) = (0.0, 0.0);
         self.damped_parts.clear();
     }
 

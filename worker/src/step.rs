@@ -20,8 +20,8 @@ use crumple_proto::report::{PHASES, Phase};
 use crumple_proto::transport::{RankLost, Transport};
 use tracing::Level;
 
-/// Share of the displacement that the ghosts allow from which the motion of the nodes is fitted in
-/// each step. Below it, an upper bound suffices in most steps.
+/// Share of the margin that displacements use from which the motion of the nodes is fitted in each
+/// step. Below it, an upper bound of distances suffices in most steps.
 const EXACT_FROM: f64 = 0.5;
 
 /// The stages of a step from t to t + dt, in their order.
@@ -281,7 +281,8 @@ fn constrain(
     constraints.constrain(comm, nodes, contact.as_ref(), clock.time, cycle.steps)
 }
 
-/// Fits a rigid motion to the own nodes: it shows how long ghosts stay valid.
+/// Follows the local nodes by a rigid motion, which is fitted in some steps. It shows how long
+/// ghosts stay valid.
 fn fit_motion(
     engine: &mut Engine,
     _: &mut dyn Transport,

@@ -270,7 +270,7 @@ pub(super) fn with_threads<T>(
     ready: Ready,
     as_master: impl FnOnce(Ready, &mut dyn Transport) -> T,
 ) -> T {
-    let mut ends = threads::connect(ready.workers + 1);
+    let mut ends = threads::connect_teams(ready.workers + 1, ready.model.settings.threads);
     let mut master = ends.remove(0);
     let workers: Vec<_> = ends
         .into_iter()

@@ -29,8 +29,14 @@ const LOOKS: u32 = 64;
 /// Largest number of buffers kept for reuse.
 const POOL: usize = 64;
 
-/// Returns connected communications for `size` ranks.
+/// Returns connected communications for `size` ranks, each of which computes with one thread.
 pub fn connect(size: usize) -> Vec<Threads> {
+    connect_teams(size, 1)
+}
+
+/// Returns connected communications for `size` ranks: the master, and workers that each compute
+/// with `threads` threads.
+pub fn connect_teams(size: usize, threads: usize) -> Vec<Threads> {
     let mut senders: Vec<Vec<Sender<TaggedWords>>> = (0..size).map(|_| Vec::new()).collect();
     let mut receivers: Vec<Vec<Receiver<TaggedWords>>> = (0..size).map(|_| Vec::new()).collect();
     for sender in &mut senders {
@@ -41,6 +47,8 @@ pub fn connect(size: usize) -> Vec<Threads> {
         }
     }
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    // The master rarely works.
+    let has_core = size.saturating_sub(1) * threads <= cores;
     let ends = senders.into_iter().zip(receivers).enumerate();
     ends.map(|(rank, (to, from))| Threads {
         rank,
@@ -50,9 +58,8 @@ pub fn connect(size: usize) -> Vec<Threads> {
         pool: Vec::new(),
         wait_cpu: Duration::ZERO,
         traffic: Traffic::default(),
-        // The master rarely works.
-        patience: Patience::new(size <= cores + 1),
-        rest: (size <= cores + 1).then(Rest::new),
+        patience: Patience::new(has_core),
+        rest: has_core.then(Rest::new),
     })
     .collect()
 }

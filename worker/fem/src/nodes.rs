@@ -287,7 +287,7 @@ impl Nodes {
     /// Moves local nodes to the next time, by the step `dt` [time].
     pub fn advance(&mut self, dt: f64) {
         std::mem::swap(&mut self.v, &mut self.v_next);
-        // Those of ghosts are received again before contact needs them.
+        // Ghosts get those of their owners before contact with friction or output reads them.
         std::mem::swap(&mut self.w, &mut self.w_next);
         let ranges = threads::ranges(self.local_count, PIECE);
         let x = threads::cut(&mut self.x, &ranges);
@@ -301,6 +301,16 @@ impl Nodes {
             })
         });
         self.displacements = VectorRange::of_all(moved);
+    }
+
+    /// Moves local node `i` to the coordinates `to` [length] after the end of the step `dt` [time].
+    /// [`Nodes::displacements`] then contain both displacements of the node together, if it is
+    /// moved once.
+    pub fn relocate(&mut self, i: usize, to: [f64; 3], dt: f64) {
+        let before = self.x[i];
+        self.x[i] = row(to);
+        let in_step = Lane::splat(dt) * Lane::new(self.v[i]);
+        self.displacements.include(in_step + Lane::new(self.x[i]) - Lane::new(before));
     }
 
     /// Adds the velocities of a cycle to the mean over an outer step of `subcycles` cycles.
@@ -453,6 +463,23 @@ impl Nodes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A node that a device moves after the step has both displacements together.
+    #[test]
+    fn displacements_contain_those_after_the_step() {
+        let at = |id: u64| NodeRecord {
+            id: NodeId(id),
+            v: [2.0, 0.0, 0.0],
+            mass: 1.0,
+            ..NodeRecord::default()
+        };
+        let mut nodes = Nodes::new(&[at(1), at(2)], 0, false);
+        nodes.advance(0.5);
+        assert_eq!(nodes.displacements.diameter(), 0.0, "both nodes move by 1");
+        nodes.relocate(1, [1.0, 3.0, 0.0], 0.5);
+        assert_eq!(nodes.x, [row([1.0, 0.0, 0.0]), row([1.0, 3.0, 0.0])]);
+        assert_eq!(nodes.displacements.diameter(), 3.0);
+    }
 
     /// Ghosts stay in ascending id, and those that stay keep their state.
     #[test]

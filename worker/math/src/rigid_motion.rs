@@ -20,11 +20,12 @@ const SAMPLES: usize = 64;
 const MAX_ROTATION: f64 = 0.25;
 /// Smallest number of nodes of a sample.
 const MIN_SAMPLES: usize = 8;
-/// Number of steps of which one fits the motion. In the others it follows the middle of the
-/// displacements, and the distances of nodes grow by half their range.
+/// Number of steps in which [`MotionTracker::follow`] fits the motion once. In each other step the
+/// translation grows by the middle of the range of displacements, and the bounds of distances grow
+/// by half of its diagonal.
 const FIT_EVERY: u32 = 8;
 
-/// A rigid motion and the largest distance of a node from it.
+/// A rigid motion and upper bounds of the distances of nodes from it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct RigidMotion {
@@ -32,9 +33,9 @@ pub struct RigidMotion {
     pub rotation: Matrix3<f64>,
     /// Translation after the rotation about the origin [length].
     pub translation: V3,
-    /// Largest |x - (R x_ref + t)| over the nodes [length].
+    /// Upper bound of |x - (R x_ref + t)| over the nodes [length]; their maximum after a fit.
     pub residual: f64,
-    /// Largest distance minus the slack of the node [length].
+    /// Upper bound of the distance minus the slack of the node [length]; their maximum after a fit.
     pub beyond_slack: f64,
 }
 
@@ -139,9 +140,10 @@ impl MotionTracker {
             + size_of_val(&self.slack[..])
     }
 
-    /// Returns the motion to `x`, the present positions of the same nodes. Call it in each step;
-    /// `moved` is the range of the displacements since the last call. The motion is fitted in some
-    /// of the calls, and always if `exact`; the distances of nodes are upper bounds in the others.
+    /// Returns the motion to `x`, the present positions of the same nodes [length]. Call it in each
+    /// step; `moved` is the range of the displacements of all nodes since the last call [length].
+    /// The motion is fitted in some of the calls, and always if `exact`. In the others the bounds
+    /// of distances grow.
     pub fn follow(&mut self, x: &[Row], moved: &VectorRange, exact: bool) -> RigidMotion {
         self.since_fit += 1;
         if exact || self.since_fit >= FIT_EVERY {
@@ -158,7 +160,7 @@ impl MotionTracker {
         self.drift
     }
 
-    /// Returns the motion to `x`, the present positions of the same nodes.
+    /// Fits the motion to `x`, the present positions of the same nodes [length], and returns it.
     pub fn update(&mut self, x: &[Row]) -> RigidMotion {
         self.fit(x);
         let (r, t) = (&self.drift.rotation, &self.drift.translation);

@@ -60,8 +60,9 @@ pub fn cpu() -> Duration {
 }
 
 /// Cuts `0..count` into ranges, none with fewer than `least` steps; into one for a single thread.
-/// Each thread has a share of the same length, in pieces that become shorter: the last ones, which
-/// threads take from each other, decide how long they wait at the end of the loop.
+/// The shares of threads differ by at most one step. Each share is cut into pieces that become
+/// shorter: the last ones, which threads take from each other, decide how long they wait at the end
+/// of the loop.
 pub fn ranges(count: usize, least: usize) -> Vec<Range<usize>> {
     let threads = self::count().min(count / least.max(1)).max(1);
     if threads == 1 {
@@ -82,7 +83,10 @@ pub fn ranges(count: usize, least: usize) -> Vec<Range<usize>> {
 }
 
 /// Cuts `0..count` into ranges of `size` steps; the last may be shorter. They do not depend on the
-/// number of threads: so sums of terms that round may be joined range by range.
+/// number of threads. So sums over ranges, added in their order, have the same bits.
+///
+/// # Panics
+/// If `size` is 0.
 pub fn ranges_of_size(count: usize, size: usize) -> Vec<Range<usize>> {
     (0..count).step_by(size).map(|start| start..(start + size).min(count)).collect()
 }
@@ -107,7 +111,8 @@ pub fn map<T: Send, U: Send>(pieces: Vec<T>, work: impl Fn(T) -> U + Sync) -> Ve
     done.into_iter().map(result).collect()
 }
 
-/// Returns the results of `a` and `b`, which two threads compute.
+/// Returns the results of `a` and `b`. If the calling thread has helpers, one of them may compute
+/// one of the results at the same time.
 ///
 /// # Panics
 /// If one of them panics.

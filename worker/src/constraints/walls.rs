@@ -29,7 +29,7 @@ pub(crate) use shape::SurfaceForm;
 pub use shape::WallSurface;
 use std::ops::Range;
 
-/// Least number of nodes whose distance from walls a thread tests at a time.
+/// Least number of nodes that a thread compares with the walls at a time.
 const PIECE: usize = 1024;
 
 /// One wall.

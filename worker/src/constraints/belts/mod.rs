@@ -260,7 +260,7 @@ impl Belts {
         for passage in &passages {
             let x = motions[&passage.node].x;
             if let Some(n) = nodes.local_index(passage.node) {
-                (0..3).for_each(|c| nodes.x[n as usize][c] = x[c]);
+                nodes.relocate(n as usize, x.into(), steps.dt_before());
             }
             let push = V3::from(passage.impulse) / steps.dt_velocity;
             forces.extend([(passage.node, push), (passage.anchor, -push)]);
