@@ -121,19 +121,24 @@ fn spot_welds_of_beams_break() {
 /// A fixed node that only gives a beam its axes is no error; one of the beam itself stays fixed.
 #[test]
 fn nodes_for_axes_of_beams_are_not_fixed() {
-    let fixes = |held: &str| {
+    let fixes = |held: &str, card: &str| {
         let model = with(&format!(
             "*PART\nbar\n3,3,2\n*SECTION_BEAM\n3,2,1.0\n4.0,1.3,1.3,2.6,3.3\n*MAT_ELASTIC\n\
              2,7.85e-6,207.0,0.3\n*NODE\n31,1,2,30,7,7\n*ELEMENT_BEAM\n21,3,2,12,31\n\
-             *BOUNDARY_SPC_NODE\n{held},0,1,1,1\n"
+             *SET_NODE_LIST\n9\n{held}\n{card}"
         ));
         let is_listed = model.mapping.iter().any(|m| m.asked.contains("for axes of beams"));
         let sets = model.job.fix.iter().map(|f| f.nodes.clone()).collect::<Vec<_>>();
         (is_listed, sets.iter().filter(|s| set(&model, s) == [31]).count(), sets.len())
     };
-    let (plain, both) = (fixes("31"), fixes("12"));
-    assert_eq!((plain.0, plain.1, both.0, both.1), (true, 0, true, 0));
-    assert_eq!(both.2, plain.2 + 1);
+    let of_set = "*BOUNDARY_SPC_SET\n9,0,1,1,1\n";
+    for (of_axis, of_beam) in
+        [("*BOUNDARY_SPC_NODE\n31,0,1,1,1\n", "*BOUNDARY_SPC_NODE\n12,0,1,1,1\n"), (of_set, of_set)]
+    {
+        let (axis, beam) = (fixes("31", of_axis), fixes("12", of_beam));
+        assert_eq!((axis.0, axis.1, beam.1), (true, 0, 0), "{of_axis}");
+        assert_eq!(beam.2, axis.2 + 1, "{of_axis}");
+    }
 }
 
 /// The forces of welds on one of their ends are in `sections.csv`.

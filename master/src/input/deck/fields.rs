@@ -147,11 +147,10 @@ pub fn words_of_broken_columns(
     };
     let is_number = |kind: FieldType| matches!(kind, FieldType::Integer | FieldType::Real);
     let numbers = card.fields.iter().all(|field| is_number(field.kind));
-    let marks = line.iter().any(|b| b",\t".contains(b));
-    if marks || format == CardFormat::Words || !numbers {
+    if !has_columns(line, format) || !numbers {
         return None;
     }
-    if fits(by_columns) && !cuts_a_number(line, card, format) {
+    if fits(by_columns) && cut_number(line, card, format).is_none() {
         return None;
     }
     let none = || Fields { count: 0, spans: [(0, 0); MOST] };
@@ -178,17 +177,32 @@ pub fn words_of_broken_columns(
     })
 }
 
-/// Returns true if a border between columns cuts a number of which neither part fills its field.
-/// Numbers of two fields that touch do fill them, at least one of the two.
-fn cuts_a_number(line: &[u8], card: &Card, format: CardFormat) -> bool {
+/// Returns true if the fields of a line are its columns.
+fn has_columns(line: &[u8], format: CardFormat) -> bool {
+    format != CardFormat::Words && !line.iter().any(|b| b",\t".contains(b))
+}
+
+/// Returns the range of the first number that a border between columns cuts into two numbers, of
+/// which neither fills its field, and the index of the field of the first one. Numbers of two
+/// fields that touch do fill them, at least one of the two.
+pub fn cut_number(line: &[u8], card: &Card, format: CardFormat) -> Option<(usize, Range<usize>)> {
+    if !has_columns(line, format) {
+        return None;
+    }
     let mut start = 0;
-    card.fields.windows(2).any(|two| {
+    card.fields.windows(2).enumerate().find_map(|(index, two)| {
         let from = start;
         start += format.width(two[0].width);
         let end = start + format.width(two[1].width);
-        divided(line, start).is_some_and(|word| {
-            word.start > from && word.end < end && number::real(&line[word]).is_some()
-        })
+        let is_number = |kind: FieldType| matches!(kind, FieldType::Integer | FieldType::Real);
+        let numbers = two.iter().all(|field| is_number(field.kind));
+        let word = divided(line, start).filter(|word| {
+            numbers
+                && word.start > from
+                && word.end < end
+                && number::real(&line[word.clone()]).is_some()
+        })?;
+        Some((index, word))
     })
 }
 
@@ -349,12 +363,17 @@ mod tests {
         };
         let cut = "                 204                  .33         0";
         assert_eq!(found(cut), Some(["204", ".33", "0"].map(String::from).to_vec()));
+        let at = |line: &str| cut_number(line.as_bytes(), &card, CardFormat::Columns);
+        assert_eq!(at(cut), Some((1, 38..41)));
+        // Words that fit no other columns: the columns count.
+        let unknown = "                 204                  1.33e-1";
+        assert_eq!((found(unknown), at(unknown)), (None, Some((1, 38..45))));
         for whole in [
             "                 204                 .33         0",
             "                 2041.0000000000000e-01         0",
             "204.0000000000000000.33                          0",
         ] {
-            assert_eq!(found(whole), None, "{whole}");
+            assert_eq!((found(whole), at(whole)), (None, None), "{whole}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! Cards read by the table: values with their places.
 
 use super::diagnostics::Trouble;
-use super::fields::{CardFormat, split, words_of_broken_columns};
+use super::fields::{CardFormat, cut_number, split, words_of_broken_columns};
 use super::keywords::KeywordRow;
 use super::number;
 use super::parameters::{DeckParameters, Parameter};
@@ -407,6 +407,21 @@ impl Cards<'_> {
             let help = format!("write numbers in their columns: {}", layout(card, block.format));
             self.trouble.warning(block.span(span, 0, text.len()), message, help);
             fields = words;
+        } else if let Some((index, range)) = cut_number(text, card, block.format) {
+            let shown = |part: &[u8]| String::from_utf8_lossy(part).into_owned();
+            let message = format!(
+                "{}: the border of the columns of `{}` and `{}` of card {} cuts {}: they are {} \
+                 and {}",
+                block.shown(),
+                card.fields[index].name,
+                card.fields[index + 1].name,
+                number + 1,
+                shown(&text[range.clone()]),
+                shown(fields.text(text, index)),
+                shown(fields.text(text, index + 1)),
+            );
+            let help = format!("write numbers in their columns: {}", layout(card, block.format));
+            self.trouble.warning(block.span(span, range.start, range.end), message, help);
         }
         if fields.count() > card.fields.len() {
             let (from, to) = fields.span(card.fields.len());

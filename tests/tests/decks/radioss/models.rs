@@ -85,6 +85,11 @@ fn rubber_of_a_function_has_the_function() {
     assert!(said(&found).contains("terms of Ogden fitted to the function"), "{}", said(&found));
     let report = reading(&of("i1 i5 r0.49"), &[]).err().expect("an error");
     assert!(report.contains("`fctbulk` = 5 is not supported"), "{report}");
+    let report = reading(&of("i1 i0 r0.5"), &[]).err().expect("an error");
+    assert!(report.contains("`nu` = 0.5 is not supported"), "{report}");
+    let one_point = of("i1 i0 r0.49").replace("\nr-0.4 r-2e-3\nr0 r0\nr0.5 r1e-3", "\nr0 r0");
+    let report = reading(&one_point, &[]).err().expect("an error");
+    assert!(report.contains("`fct` = 5 is not supported"), "{report}");
 }
 
 /// Terms of the rubber of Ogden, without those of modulus 0; a blank nu is 0.495.
@@ -282,6 +287,9 @@ fn plastic_laws_keep_their_numbers() {
     let limited = law("r0.45");
     assert_eq!(limited.len(), 3, "{limited:?}");
     assert!((limited[2][0] - 0.2).abs() < 1e-12 && limited[2][1] == 0.45, "{limited:?}");
+    let none = deck(&format!("/MAT/LAW44/1\n{head}\nr0 r0.5 r0.4"));
+    let none = reading(&(mesh() + &properties() + &moves() + &none), &[]);
+    assert!(none.err().is_some_and(|report| report.contains("`a` is blank or not above 0")));
     // A power law as straight lines: each point is on it.
     let power = rows(&of_law(&format!("/MAT/LAW44/1\n{head}\nr0.3 r0.5 r0.4")), "hardening");
     assert!(power.len() > 50 && power[0] == [0.0, 0.3]);

@@ -606,3 +606,39 @@ pub(in crate::input::deck) fn hardening_curve(mut points: Vec<[f64; 2]>) -> Vec<
     }
     points
 }
+
+/// Returns the points of the curve whose value is the smaller one of that of `points` and `limit`.
+/// The curve is constant after its last point.
+pub(in crate::input::deck) fn at_most(points: &[[f64; 2]], limit: f64) -> Vec<[f64; 2]> {
+    let mut limited: Vec<[f64; 2]> = Vec::with_capacity(points.len());
+    for (i, &[x, y]) in points.iter().enumerate() {
+        if let Some([x0, y0]) = i.checked_sub(1).map(|before| points[before])
+            && (y0 - limit) * (y - limit) < 0.0
+        {
+            limited.push([x0 + (x - x0) * (limit - y0) / (y - y0), limit]);
+        }
+        limited.push([x, y.min(limit)]);
+    }
+    while let [.., [_, before], [_, last]] = limited[..]
+        && before == limit
+        && last == limit
+    {
+        limited.pop();
+    }
+    limited
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_cuts_a_curve_where_it_is_above() {
+        let points = [[0.0, 2.0], [1.0, 6.0], [2.0, 1.0], [3.0, 4.0]];
+        let limited = [[0.0, 2.0], [0.5, 4.0], [1.0, 4.0], [1.4, 4.0], [2.0, 1.0], [3.0, 4.0]];
+        assert_eq!(at_most(&points, 4.0), limited);
+        assert_eq!(at_most(&points, 9.0), points);
+        assert_eq!(at_most(&points[..2], 1.0), [[0.0, 1.0]]);
+        assert_eq!(at_most(&points[..2], 4.0), [[0.0, 2.0], [0.5, 4.0]]);
+    }
+}

@@ -287,9 +287,9 @@ impl DeckConverter {
             if dofs.is_empty() || nodes.is_empty() && is_new {
                 continue;
             }
-            if is_new && nodes.iter().all(|node| axes.contains(node)) {
+            if !nodes.is_empty() && nodes.iter().all(|node| axes.contains(node)) {
                 let asked = format!("constraints of {} nodes for axes of beams", nodes.len());
-                self.map(&set, &asked, "none: they have no mass");
+                self.map(&set, &asked, "none: these nodes are corners of no element");
                 continue;
             }
             if is_new {

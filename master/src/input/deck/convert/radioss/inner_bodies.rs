@@ -23,6 +23,13 @@ impl StarterConverter {
                 _ => "",
             };
             whole.in_walls |= body.in_walls;
+            let inertia = match body.added_inertia {
+                Some(_) => {
+                    ", to which its inertia adds; its mass and those of its nodes count at \
+                     their places"
+                }
+                None => "",
+            };
             if let Some((more, place)) = body.added_inertia {
                 let (sum, _) = whole.added_inertia.get_or_insert(([0.0; 6], place));
                 sum.iter_mut().zip(more).for_each(|(a, b)| *a += b);
@@ -30,7 +37,7 @@ impl StarterConverter {
             self.deck.map(
                 format!("body {}", body.name),
                 format!("its main node {} is a node of the body {}", inner.label(), whole.name),
-                format!("one body with that one{walls}"),
+                format!("one body with that one{walls}{inertia}"),
             );
             self.inner_bodies.insert(inner, body);
         }

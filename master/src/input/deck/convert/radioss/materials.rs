@@ -3,7 +3,7 @@
 
 use super::StarterConverter;
 use crate::input::deck::BEYOND_ALL_STRAINS;
-use crate::input::deck::convert::materials::{DeckMaterial, hardening_curve};
+use crate::input::deck::convert::materials::{DeckMaterial, at_most, hardening_curve};
 use crate::input::deck::convert::soft_materials::first_slope;
 use crate::input::deck::convert::tree::JobTable;
 use crate::input::deck::record::CardRecord;
@@ -380,6 +380,16 @@ impl StarterConverter {
             return (table, 1.0);
         };
         let modulus = first_slope(&points);
+        if points.len() < 2 || !(modulus > 0.0) {
+            let why = "a function without two points and a slope above 0 at the strain 0";
+            self.deck.unsupported_value(record, "fct", why);
+            return (table, 1.0);
+        }
+        if !(nu > -1.0 && nu < 0.5) {
+            let why = "a Poisson ratio that is not between -1 and 0.5: give one such as 0.495";
+            self.deck.unsupported_value(record, "nu", why);
+            return (table, 1.0);
+        }
         table.put("curve", place, points.iter().map(|p| p.to_vec()).collect::<Vec<_>>());
         table.put("bulk_modulus", record.place("nu"), modulus / (3.0 * (1.0 - 2.0 * nu)));
         let terms = match record.integer("law") {
@@ -399,6 +409,11 @@ impl StarterConverter {
             self.deck.unsupported_value(record, "icc", why);
         }
         if record.integer("fcty") == 0 {
+            if !(record.real("a") > 0.0) {
+                let message = format!("{}: `a` is blank or not above 0", record.name());
+                let help = "give the yield stress a, or the function fcty";
+                self.deck.trouble.error(record.place("a"), message, help);
+            }
             let power = [record.real("a"), record.real("b"), record.real_or("n", 1.0)];
             self.hardening_lines(record, power, limit, table);
         } else {
@@ -418,15 +433,8 @@ impl StarterConverter {
         let Some(points) = self.points_of(record.integer("fcty"), place) else { return };
         let scale = record.real_or("fscaley", 1.0);
         let mut rows = hardening_curve(points.iter().map(|p| [p[0], scale * p[1]]).collect());
-        if let Some(limit) = limit
-            && let Some(above) = rows.iter().position(|row| row[1] > limit)
-        {
-            let end = match above.checked_sub(1).map(|before| (rows[before], rows[above])) {
-                Some(([x, y], [x2, y2])) => x + (x2 - x) * (limit - y) / (y2 - y),
-                None => 0.0,
-            };
-            rows.truncate(above);
-            rows.push([end, limit]);
+        if let Some(limit) = limit {
+            rows = at_most(&rows, limit);
         }
         table.put("hardening", place, rows.iter().map(|p| p.to_vec()).collect::<Vec<_>>());
     }

@@ -66,7 +66,10 @@ pub const KEYWORDS: &[Keyword] = &[
     )
     .unused(&[
         refused("sens", "bodies that a sensor switches"),
-        ignored("ispher icog", "mass and inertia of the body are those of its nodes"),
+        ignored(
+            "ispher icog",
+            "mass and inertia of the body are those of its nodes and the added ones",
+        ),
         no_effect("surf", "contact has the surfaces of the elements"),
         no_effect("ioptoff", "rigid elements compute no forces"),
         no_effect("iexpams", "mass scaling is that of elements"),

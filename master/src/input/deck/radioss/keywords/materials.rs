@@ -143,7 +143,7 @@ pub const KEYWORDS: &[Keyword] = &[
             TITLE,
             DENSITY,
             ("e:r20! nu:r20 iflag:i", Once),
-            ("a:r20! b:r20 n:r20=1 chard:r20 sigmax:r20=1e30", Once),
+            ("a:r20 b:r20 n:r20=1 chard:r20 sigmax:r20=1e30", Once),
             ("c:r20 p:r20=1 icc:i fsmooth:i fcut:r20 blank:a10 vp:i", Maybe),
             ("epsmax:r20=1e30 epst1:r20=1e30 epst2:r20=1e30", Maybe),
             ("fcty:i blank:a10 fscaley:r20=1", Maybe),
