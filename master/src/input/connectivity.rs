@@ -3,8 +3,9 @@
 use crumple_proto::ids::NodeId;
 use crumple_proto::mesh::Mesh;
 use petgraph::unionfind::UnionFind;
+use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A connected piece of a part.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,7 +19,7 @@ pub struct ConnectedPiece {
 /// Returns the pieces of each part, by part id. Elements of a part that share a node belong to
 /// one piece.
 pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<ConnectedPiece>> {
-    let mut places: HashMap<(u32, NodeId), usize> = HashMap::new();
+    let mut places: FxHashMap<(u32, NodeId), usize> = FxHashMap::default();
     let mut sets = UnionFind::<usize>::new_empty();
     for e in &mesh.elements {
         let corners: Vec<usize> = e
@@ -33,7 +34,7 @@ pub fn pieces(mesh: &Mesh) -> BTreeMap<u32, Vec<ConnectedPiece>> {
     // Numbers in order of part and lowest node, independent of the order of the table.
     let mut ordered: Vec<((u32, NodeId), usize)> = places.into_iter().collect();
     ordered.sort_unstable();
-    let mut numbers: HashMap<usize, usize> = HashMap::new();
+    let mut numbers: FxHashMap<usize, usize> = FxHashMap::default();
     let mut parts: BTreeMap<u32, Vec<ConnectedPiece>> = BTreeMap::new();
     let mut at: BTreeMap<NodeId, BTreeSet<usize>> = BTreeMap::new();
     for ((part, node), place) in ordered {

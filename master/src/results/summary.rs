@@ -310,8 +310,9 @@ impl MeshOutline {
     /// Collects the data of this mesh.
     pub fn from_mesh(mesh: &Mesh) -> Self {
         let mut elements = BTreeMap::new();
-        for e in &mesh.elements {
-            *elements.entry(format!("{:?}", e.shape).to_lowercase()).or_insert(0) += 1;
+        for alike in mesh.elements.chunk_by(|a, b| a.shape == b.shape) {
+            *elements.entry(format!("{:?}", alike[0].shape).to_lowercase()).or_insert(0) +=
+                alike.len();
         }
         Self { nodes: mesh.nodes.len(), elements, pieces: pieces(mesh) }
     }

@@ -278,7 +278,7 @@ fn what_is_left_out_has_a_name() {
     assert!(said(&model).contains("acts as if `lctm` were blank"), "{}", said(&model));
 }
 
-/// The smallest ordinate of a curve within the run limits the time step of a job.
+/// The smallest value of a curve within the run limits the time step of a job.
 #[test]
 fn a_curve_limits_the_step() {
     let cards = "*CONTROL_TIMESTEP\n0,0,0,0,0,7\n*DEFINE_CURVE\n7\n0.0,1e-3\n1.0,1e-3\n";

@@ -30,9 +30,12 @@ pub struct Method {
 
 /// All search methods.
 pub const SEARCHES: &[Method] = &[
-    Method { name: "cells", find: |boxes, points| Box::new(LinkedCells::new(boxes, points)) },
+    Method { name: "cells", find: LINKED_CELLS },
     Method { name: "boxes", find: |_, points| Box::new(SortedLists::new(points)) },
 ];
+
+/// The search by linked cells.
+pub const LINKED_CELLS: Search = |boxes, points| Box::new(LinkedCells::new(boxes, points));
 
 /// Least number of boxes that a thread examines at a time.
 const PIECE: usize = 256;

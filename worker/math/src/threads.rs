@@ -47,6 +47,17 @@ pub fn start(count: usize) -> Result<(), String> {
     Ok(())
 }
 
+/// Runs `work`, in which `count` threads share the loops of the calling thread. If the system starts
+/// no more threads, or there are helpers already, their number stays as it is.
+pub fn with<T>(count: usize, work: impl FnOnce() -> T) -> T {
+    let alone = self::count() == 1 && start(count).is_ok();
+    let result = work();
+    if alone {
+        TEAM.with(|own| own.take());
+    }
+    result
+}
+
 /// Returns the number of threads that share the loops of the calling thread.
 pub fn count() -> usize {
     team().map_or(1, |team| 1 + team.size())
@@ -228,6 +239,14 @@ mod tests {
             let squares = with_threads(threads, || collect(100, 3, |i| i * i));
             assert_eq!(squares, (0..100).map(|i| i * i).collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn helpers_of_one_task_end_with_it() {
+        let counts = with_threads(1, || (with(3, count), count()));
+        assert_eq!(counts, (3, 1));
+        let counts = with_threads(2, || (with(3, count), count()));
+        assert_eq!(counts, (2, 2), "it has helpers already");
     }
 
     #[test]

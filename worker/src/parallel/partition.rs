@@ -7,6 +7,7 @@ use crate::contact::surface::{ContactParts, OwnScales, Segment, Surface};
 use crate::fem::blocks::{Blocks, Class, LocalElement, RemoteCorner};
 use crate::fem::elements::build_block;
 use crate::math::row::xyz;
+use crate::math::threads;
 use crate::nodes::{Nodes, OuterStepMean};
 use crate::parallel::boxes::{ClassCounts, WorkerBoxes, half_width};
 use crate::parallel::contact_decomposition::SearchRegions;
@@ -22,6 +23,9 @@ use crumple_proto::mesh::Shape;
 use crumple_proto::partition::{ElementRecord, NodeRecord, Settings};
 use crumple_proto::transport::{RankLost, Transport, exchange_with, gather_all};
 use std::collections::{BTreeSet, HashSet};
+
+/// Least number of elements of which a thread looks up the nodes at a time.
+const PIECE: usize = 1024;
 
 /// Data of one worker, as distributed at the start or migrated.
 #[derive(Default)]
@@ -118,10 +122,11 @@ pub fn build_local_mesh(
     }
     let mut is_shared = vec![false; nodes.local_count];
     shared.iter().flatten().for_each(|&i| is_shared[i as usize] = true);
-    let elements = share.elements.into_iter().map(|(record, history)| {
-        let local = record
-            .nodes
-            .map(|n| nodes.local_index(n).expect("a partition has all nodes of its elements"));
+    let local_nodes = threads::collect(share.elements.len(), PIECE, |i| {
+        let local = |n| nodes.local_index(n).expect("a partition has all nodes of its elements");
+        share.elements[i].0.nodes.map(local)
+    });
+    let elements = share.elements.into_iter().zip(local_nodes).map(|((record, history), local)| {
         (
             LocalElement {
                 record,

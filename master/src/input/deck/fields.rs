@@ -365,12 +365,15 @@ mod tests {
         assert_eq!(found(cut), Some(["204", ".33", "0"].map(String::from).to_vec()));
         let at = |line: &str| cut_number(line.as_bytes(), &card, CardFormat::Columns);
         assert_eq!(at(cut), Some((1, 38..41)));
-        // Words that fit no other columns: the columns count.
+        // Words that fit no other columns, and two numbers that may also be one: the columns count.
         let unknown = "                 204                  1.33e-1";
         assert_eq!((found(unknown), at(unknown)), (None, Some((1, 38..45))));
+        let aligned_to_the_border = "                 2041.0000000000000e-01         0";
+        let reading = (found(aligned_to_the_border), at(aligned_to_the_border));
+        assert_eq!(reading, (None, Some((0, 17..39))));
         for whole in [
             "                 204                 .33         0",
-            "                 2041.0000000000000e-01         0",
+            "                 204 1.000000000000e-01         0",
             "204.0000000000000000.33                          0",
         ] {
             assert_eq!((found(whole), at(whole)), (None, None), "{whole}");

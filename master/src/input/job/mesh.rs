@@ -15,7 +15,8 @@ use crumple_proto::job::{AddedMeshInput, Job, MeshSource};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, OwnSection, Shape, corner_nodes};
 use crumple_proto::problem::Problem;
 use crumple_worker::fem::elements::LARGEST_OFFSET;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of problems of one kind that are reported singly.
 const MAX_REPORTED: usize = 20;
@@ -290,9 +291,9 @@ impl OwnLists<'_> {
         }
         let OwnValue { list, called, wanted, .. } = value;
         let OwnLists { path, of, .. } = self;
-        let at: HashMap<ElemId, usize> =
+        let at: FxHashMap<ElemId, usize> =
             mesh.elements.iter().enumerate().map(|(i, e)| (e.id, i)).collect();
-        let mut given = HashSet::with_capacity(rows.len());
+        let mut given = FxHashSet::with_capacity_and_hasher(rows.len(), FxBuildHasher);
         for (index, &[id, number]) in rows.iter().enumerate() {
             let path = || format!("{path}.{list}.{index}");
             let whole = id.fract() == 0.0 && (0.0..=LARGEST_ID).contains(&id);
@@ -400,9 +401,9 @@ pub fn check(read: PlacedMesh, parts: Option<&[u32]>, findings: &mut JobProblems
             );
         }
     }
-    let turned: HashSet<NodeId> =
+    let turned: FxHashSet<NodeId> =
         read.mesh.elements.iter().filter(|e| e.shape == Shape::Beam2).map(|e| e.nodes[2]).collect();
-    let used: HashSet<NodeId> =
+    let used: FxHashSet<NodeId> =
         read.mesh.elements.iter().flat_map(|e| e.corners()).copied().collect();
     let unused: Vec<(usize, NodeId)> = read
         .mesh
@@ -452,8 +453,9 @@ pub fn check(read: PlacedMesh, parts: Option<&[u32]>, findings: &mut JobProblems
     (mesh, axes)
 }
 
-fn check_nodes(read: &PlacedMesh, few: &mut Few<'_>) -> HashMap<NodeId, [f64; 3]> {
-    let mut at = HashMap::with_capacity(read.mesh.nodes.len());
+fn check_nodes(read: &PlacedMesh, few: &mut Few<'_>) -> FxHashMap<NodeId, [f64; 3]> {
+    let count = read.mesh.nodes.len();
+    let mut at = FxHashMap::with_capacity_and_hasher(count, FxBuildHasher);
     for (index, node) in read.mesh.nodes.iter().enumerate() {
         if node.id > NodeId::LARGEST {
             let message = format!("node id {} is too large", node.id.0);

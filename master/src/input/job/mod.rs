@@ -82,6 +82,7 @@ use crumple_proto::problem::Problem;
 use crumple_proto::quality::{Quality, quality};
 use crumple_worker::contact::diagnostics::initial_penetration::initial;
 use crumple_worker::fem::elements::COHESIVE;
+use crumple_worker::math::threads;
 use crumple_worker::parallel::decomposition::BoxDecomposition;
 use files::{job_file, load, read_mesh};
 use report::{DeckSource, SourceFile};
@@ -197,7 +198,8 @@ fn read_tree(
                 sources,
             };
             let (elements, nodes) = model.records();
-            let initial = initial(&model.settings, &elements, &nodes);
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            let initial = threads::with(cores, || initial(&model.settings, &elements, &nodes));
             model.warnings.extend(laws::thinned(&model.settings, &initial));
             model.warnings.extend(laws::penetrations(&initial));
             Ok(model)

@@ -14,6 +14,7 @@ use crumple_proto::mesh::{Mesh, MeshElement, Shape};
 use crumple_proto::partition::Settings;
 use crumple_proto::problem::Problem;
 use crumple_proto::rigid::RigidBody;
+use rustc_hash::FxHashMap;
 use std::collections::HashMap;
 
 /// Per node, in the order of the mesh.
@@ -266,8 +267,8 @@ pub fn elements(
     nodes: &NodeStart,
     findings: &mut JobProblems,
 ) -> ElementStart {
-    let at: HashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
-    let part_of: HashMap<u32, usize> =
+    let at: FxHashMap<NodeId, [f64; 3]> = mesh.nodes.iter().map(|n| (n.id, n.x)).collect();
+    let part_of: FxHashMap<u32, usize> =
         settings.parts.iter().enumerate().map(|(i, p)| (p.id, i)).collect();
     let mut start = ElementStart::default();
     // Numbers of elements, with the first one.

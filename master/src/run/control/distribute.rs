@@ -12,7 +12,7 @@ use crumple_proto::message::{Action, ToMaster, ToWorker};
 use crumple_proto::partition::{NodeRecord, Settings};
 use crumple_proto::transport::{RankLost, Tag, Transport};
 use crumple_proto::wire::{await_message, post};
-use std::collections::{HashMap, HashSet};
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::path::Path;
 
 /// Number of high redecompositions whose lines go to clients. All are in `log.jsonl`.
@@ -107,7 +107,7 @@ impl Control<'_> {
     /// Cuts space into boxes and sends to every worker the elements and nodes of its box.
     pub(super) fn deal_out(&mut self) -> Result<(), RankLost> {
         let (elements, nodes) = self.model.records();
-        let of_id: HashMap<NodeId, &NodeRecord> = nodes.iter().map(|n| (n.id, n)).collect();
+        let of_id: FxHashMap<NodeId, &NodeRecord> = nodes.iter().map(|n| (n.id, n)).collect();
         let centre = |e: &crumple_proto::partition::ElementRecord| {
             let corners = &e.nodes[..e.shape.corners()];
             std::array::from_fn(|c| {
@@ -132,8 +132,8 @@ impl Control<'_> {
             let nodes = ids.iter().map(|id| *of_id[id]).collect();
             let trace = self.trace.is_some();
             let mut settings = Box::new(settings.clone());
-            let own: HashSet<ElemId> = match initial.is_empty() {
-                true => HashSet::new(),
+            let own: FxHashSet<ElemId> = match initial.is_empty() {
+                true => FxHashSet::default(),
                 false => elements.iter().map(|e| e.id).collect(),
             };
             let own = initial.iter().filter(|point| own.contains(&point.element));

@@ -4,7 +4,7 @@
 use crate::geometry::nearest;
 use crate::local_search::is_opposed;
 use crate::reach::{BEHIND, OUTSIDE};
-use crate::search::linked_cells;
+use crate::search::{LINKED_CELLS, accepted, linked_cells};
 use crate::surface::{ContactParts, Segment, Surface};
 use crumple_fem::blocks::{Class, LocalElement};
 use crumple_fem::nodes::Nodes;
@@ -89,43 +89,46 @@ pub fn initial(
 fn in_shells(
     nodes: &Nodes,
     surface: &Surface,
-    is_tied: impl Fn(u32, &[u32]) -> bool,
+    is_tied: impl Fn(u32, &[u32]) -> bool + Sync,
 ) -> Vec<Penetration> {
     let largest = surface.largest_scale();
     let shells: Vec<&Segment> = surface.segments.iter().filter(|s| !s.is_solid()).collect();
     let added = surface.shift_reach();
     let reach = |s: &Segment| surface.interfaces.most(s.scale + largest) + added;
     let boxes: Vec<_> = shells.iter().map(|s| s.bounds(&nodes.x, reach(s))).collect();
-    let mut found = Vec::new();
-    linked_cells(&boxes, &points(nodes, surface), &mut |g, p| {
+    let penetration = |[g, p]: [u32; 2]| {
         let (s, slave) = (shells[g as usize], surface.slaves[p as usize]);
         if s.nodes.contains(&slave) || is_tied(slave, &s.nodes) {
-            return;
+            return None;
         }
         // Lines next to a node's own lines do not touch it.
         if s.is_line()
             && surface.around(p as usize).any(|own| own.nodes.iter().any(|n| s.nodes.contains(n)))
         {
-            return;
+            return None;
         }
         let at = V3::from(xyz(&nodes.x[slave as usize]));
-        let Some(near) = s.nearest(&at, &nodes.x) else { return };
-        let Some(interface) = surface.interface(p as usize, s) else { return };
+        let near = s.nearest(&at, &nodes.x)?;
+        let interface = surface.interface(p as usize, s)?;
         let (thickness, scale) = surface.sizes(interface, slave, s);
         let pair = (interface, p as usize);
         let depth = thickness - surface.distance(pair, s, (&at, &near), &nodes.x);
-        if depth > ROUND_OFF * scale {
+        (depth > ROUND_OFF * scale).then(|| {
             let away = (at - near.point).try_normalize(ROUND_OFF * scale);
-            found.push(Penetration {
+            Penetration {
                 node: nodes.id[slave as usize],
                 elem: s.id.elem(),
                 depth,
                 normal: away.unwrap_or(near.normal).into(),
                 at_least: depth > MIDDLE * thickness,
                 unseen: false,
-            });
-        }
-    });
+            }
+        })
+    };
+    let slaves = points(nodes, surface);
+    // Few pairs penetrate, so that it does not matter that they are computed twice.
+    let pairs = accepted(LINKED_CELLS, &boxes, &slaves, |g, p| penetration([g, p]).is_some());
+    let mut found: Vec<Penetration> = pairs.into_iter().filter_map(penetration).collect();
     found.sort_by_key(|p| (p.elem, p.node));
     found
 }

@@ -101,7 +101,9 @@ impl DeckConverter {
             let factor = self.damping_factor(&record);
             if let Some(given) = given {
                 self.tree.set_in("time", "damping", at, given * factor);
-            } else if let (true, Some(curve)) = (factor != 0.0, self.time_curve(id, place)) {
+            } else if factor != 0.0
+                && let Some(curve) = self.time_curve(id, place)
+            {
                 self.tree.set_in("time", "damping", at, factor);
                 self.tree.set_in("time", "damping_curve", at, curve);
             }
@@ -252,7 +254,7 @@ impl DeckConverter {
         let (limit, most) =
             within.fold((f64::INFINITY, 0.0f64), |(least, most), dt| (least.min(dt), most.max(dt)));
         if !(limit.is_finite() && limit > 0.0) {
-            let why = "a limit of the time step that is not above 0: give a curve above it";
+            let why = "a limit of the time step that is not above 0: give a curve above 0";
             return self.unsupported_value(record, "lctm", why);
         }
         self.tree.set_in("time", "dt_max", place, limit);

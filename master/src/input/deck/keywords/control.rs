@@ -89,7 +89,7 @@ pub const KEYWORDS: &[Keyword] = &[
         "tssfac is `time.safety` (0.9 if blank). erode 1 is `inverted = \"delete\"` of all parts \
          of solids: those whose step falls below dtmin are deleted, too. The absolute value of \
          dt2ms is `time.mass_scaling_dt`; added mass has no limit, and the run warns of its \
-         fraction. The smallest ordinate of the curve of lctm is `time.dt_max`",
+         fraction. The smallest value of the curve of lctm in the run is `time.dt_max`",
     )
     .unused(&[
         no_effect("dtinit", "the first step is the stable one times tssfac"),
@@ -165,7 +165,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "DAMPING_GLOBAL",
         &[("lcid:i valdmp:r stx:r sty:r stz:r srx:r sry:r srz:r", Maybe)],
         "`time.damping`, for all directions: stx, sty and stz have to be equal, or all blank. The \
-         curve of lcid is `time.damping_curve`, or a number if it is constant in the whole run",
+         curve of lcid replaces valdmp; it is `time.damping_curve`, or part of `time.damping` if it \
+         is constant in the whole run",
     ),
     Keyword::new("DAMPING_PART_MASS", PART_DAMPING, PART_DAMPING_NOTE).repeats(),
     Keyword::new("DAMPING_PART_MASS_SET", PART_DAMPING_SET, "the same for a set of parts")

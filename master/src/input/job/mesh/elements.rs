@@ -5,7 +5,8 @@ use crumple_proto::ids::{ElemId, NodeId};
 use crumple_proto::mesh::{Mesh, MeshElement, MeshNode, Shape};
 use crumple_proto::problem::Problem;
 use crumple_proto::quality::{middle, quality};
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use rustc_hash::FxHashMap;
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// Area over the square of the longest side below which the area of an element is only round-off.
 const NO_AREA: f64 = 1e-12;
@@ -14,7 +15,7 @@ const NO_AREA: f64 = 1e-12;
 /// of the parts if they are known.
 pub(super) fn check(
     read: &PlacedMesh,
-    at: &HashMap<NodeId, [f64; 3]>,
+    at: &FxHashMap<NodeId, [f64; 3]>,
     parts: Option<&[u32]>,
     few: &mut Few<'_>,
 ) {
@@ -86,7 +87,7 @@ pub(super) fn check(
 /// exist; then, or if a coordinate is not finite, returns `None`.
 fn corners(
     element: &MeshElement,
-    at: &HashMap<NodeId, [f64; 3]>,
+    at: &FxHashMap<NodeId, [f64; 3]>,
     path: impl Fn() -> String,
     few: &mut Few<'_>,
 ) -> Option<Vec<[f64; 3]>> {
@@ -140,7 +141,7 @@ fn truss(element: &MeshElement, x: &[[f64; 3]], path: String, few: &mut Few<'_>)
 fn beam(
     element: &MeshElement,
     x: &[[f64; 3]],
-    at: &HashMap<NodeId, [f64; 3]>,
+    at: &FxHashMap<NodeId, [f64; 3]>,
     path: String,
     few: &mut Few<'_>,
 ) {
