@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 /// thread that wakes from a sleep gets the core back at once. So after a yield that took long, the
 /// rank sleeps in the next pauses: in twice as many each time, until yields are short again.
 ///
-/// A pause with MPI is one yield or one sleep between two polls. A rank that is a thread is woken by
-/// its message: there a pause with sleep is the rest of the wait.
+/// A pause with MPI is one yield or one sleep between two polls. A rank that is a thread is woken
+/// by its message: there a pause with sleep is the rest of the wait.
 #[derive(Debug)]
 pub struct Rest {
     /// Number of pauses left in which the rank sleeps.

@@ -47,8 +47,8 @@ pub fn start(count: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// Runs `work`, in which `count` threads share the loops of the calling thread. If the system starts
-/// no more threads, or there are helpers already, their number stays as it is.
+/// Runs `work`, in which `count` threads share the loops of the calling thread. If the system
+/// starts no more threads, or there are helpers already, their number stays as it is.
 pub fn with<T>(count: usize, work: impl FnOnce() -> T) -> T {
     let alone = self::count() == 1 && start(count).is_ok();
     let result = work();

@@ -165,8 +165,8 @@ pub const KEYWORDS: &[Keyword] = &[
         "DAMPING_GLOBAL",
         &[("lcid:i valdmp:r stx:r sty:r stz:r srx:r sry:r srz:r", Maybe)],
         "`time.damping`, for all directions: stx, sty and stz have to be equal, or all blank. The \
-         curve of lcid replaces valdmp; it is `time.damping_curve`, or part of `time.damping` if it \
-         is constant in the whole run",
+         curve of lcid replaces valdmp; it is `time.damping_curve`, or part of `time.damping` if \
+         it is constant in the whole run",
     ),
     Keyword::new("DAMPING_PART_MASS", PART_DAMPING, PART_DAMPING_NOTE).repeats(),
     Keyword::new("DAMPING_PART_MASS_SET", PART_DAMPING_SET, "the same for a set of parts")
