@@ -66,8 +66,8 @@ fn an_ultimate_stress_gives_the_hardening() {
 /// its slope at 0 and nu.
 #[test]
 fn rubber_of_a_function_has_the_function() {
-    let of = |head: &str| {
-        let function = "/FUNCT/5\n=test\nr-0.4 r-2e-3\nr0 r0\nr0.5 r1e-3\n";
+    let with_points = |head: &str, points: &str| {
+        let function = format!("/FUNCT/5\n=test\n{points}\n");
         let law = format!("/MAT/LAW69/2\n=gel\nr1e-6\n{head}\ni5\n{function}");
         let cube = "i2 i1 i0";
         mesh().replace(&card(cube), &card("i2 i2 i0"))
@@ -76,6 +76,7 @@ fn rubber_of_a_function_has_the_function() {
             + &moves()
             + &deck(&law)
     };
+    let of = |head: &str| with_points(head, "r-0.4 r-2e-3\nr0 r0\nr0.5 r1e-3");
     let found = model(&of("i1 i0 r0.49 r1 i2 i-3"));
     let gel = found.job.material.iter().find(|m| m.law == "tabulated_rubber").expect("a rubber");
     let curve = gel.parameters["curve"].to_string();
@@ -87,8 +88,8 @@ fn rubber_of_a_function_has_the_function() {
     assert!(report.contains("`fctbulk` = 5 is not supported"), "{report}");
     let report = reading(&of("i1 i0 r0.5"), &[]).err().expect("an error");
     assert!(report.contains("`nu` = 0.5 is not supported"), "{report}");
-    let one_point = of("i1 i0 r0.49").replace("\nr-0.4 r-2e-3\nr0 r0\nr0.5 r1e-3", "\nr0 r0");
-    let report = reading(&one_point, &[]).err().expect("an error");
+    let flat = with_points("i1 i0 r0.49", "r-0.4 r0\nr0 r0\nr0.5 r0");
+    let report = reading(&flat, &[]).err().expect("an error");
     assert!(report.contains("`fct` = 5 is not supported"), "{report}");
 }
 
