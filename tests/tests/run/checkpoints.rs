@@ -206,8 +206,9 @@ fn a_failed_run_keeps_the_state_before_its_failure() {
 /// Times of the job: a checkpoint in the first cycle after each; `keep` of them stay.
 #[test]
 fn checkpoints_are_written_at_times_and_old_ones_are_removed() {
+    // Far apart: one that is due while another is being written waits; several that wait are one.
     let words =
-        ["--set", "checkpoint.every=\"off\"", "--set", "checkpoint.at=[0.2, 0.3, 0.4, 99.0]"];
+        ["--set", "checkpoint.every=\"off\"", "--set", "checkpoint.at=[0.2, 0.7, 1.2, 99.0]"];
     let ended = run(crumple_with(&[&TUMBLE[..5], &words].concat())).with_code(0);
     assert_eq!(ended.summary()["checkpoints"]["written"], 3);
     assert_eq!(checkpoints(&ended.out()).len(), 2, "keep = 2");
