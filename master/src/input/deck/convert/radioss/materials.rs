@@ -380,7 +380,7 @@ impl StarterConverter {
             return (table, 1.0);
         };
         let modulus = first_slope(&points);
-        if points.len() < 2 || !(modulus > 0.0) {
+        if points.len() < 2 || !modulus.is_finite() || modulus <= 0.0 {
             let why = "a function without two points and a slope above 0 at the strain 0";
             self.deck.unsupported_value(record, "fct", why);
             return (table, 1.0);
@@ -409,7 +409,7 @@ impl StarterConverter {
             self.deck.unsupported_value(record, "icc", why);
         }
         if record.integer("fcty") == 0 {
-            if !(record.real("a") > 0.0) {
+            if record.real("a") <= 0.0 {
                 let message = format!("{}: `a` is blank or not above 0", record.name());
                 let help = "give the yield stress a, or the function fcty";
                 self.deck.trouble.error(record.place("a"), message, help);
